@@ -1,0 +1,1 @@
+"""kinestatics: differential kinematics and statics of robot arms."""

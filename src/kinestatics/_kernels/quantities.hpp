@@ -1,0 +1,243 @@
+// Jacobian, pose, rate, Hessian, gravity torques and J^T f, batched. Each is a function of one block of LANES
+// configurations, given to `sweep`, which walks over the batch.
+#pragma once
+#include "chain.hpp"
+
+namespace {  // every instruction set has its own copy: nothing here may be shared by the linker
+
+
+// Outputs larger than this leave the caches anyway and are written past them.
+static constexpr ptrdiff_t STREAM_BYTES = 3 << 18;
+
+// One row-wise input: `size` doubles for each configuration.
+struct Input {
+  const double *data;
+  int size;
+  V *lanes;
+};
+KS_INLINE void read_input(const Input &in, ptrdiff_t i, ptrdiff_t n) {
+  read_rows(in.data + i * in.size, in.size, (n - i) * in.size, in.lanes);
+}
+// The last, incomplete block: missing configurations repeat the last one.
+KS_INLINE void read_last(const Input &in, ptrdiff_t i, ptrdiff_t n) {
+  for (int e = 0; e < in.size; e++) {
+    double lane[LANES];
+    for (int w = 0; w < LANES; w++) lane[w] = in.data[(i + w < n ? i + w : n - 1) * in.size + e];
+    in.lanes[e] = load(lane);
+  }
+}
+static inline size_t sweep_size(const Program &c) { return block_size(c) + 2 * (entries_size(c) + 2) * LANES + 64; }
+KS_INLINE double *line_buffer(const Program &c, double *scratch) { return scratch + (block_size(c) + 63) / 64 * 64; }
+
+template <class Compute>
+KS_INLINE void sweep(const Input *inputs, int count, ptrdiff_t n, const V *entries, int size, double *out, double *buffer,
+                     Compute compute) {
+  ptrdiff_t i = 0;
+  if (n * size * (ptrdiff_t)sizeof(double) >= STREAM_BYTES) {
+    LineWriter lines(out, buffer);
+    for (; i + LANES <= n; i += LANES) {
+      for (int k = 0; k < count; k++) read_input(inputs[k], i, n);
+      compute();
+      lines.put(entries, size);
+    }
+    lines.finish();
+  } else {
+    for (; i + LANES <= n; i += LANES) {
+      for (int k = 0; k < count; k++) read_input(inputs[k], i, n);
+      compute();
+      write_rows(entries, size, out + i * size);
+    }
+  }
+  if (i < n) {
+    for (int k = 0; k < count; k++) read_last(inputs[k], i, n);
+    compute();
+    write_rows(entries, size, buffer);
+    std::memcpy(out + i * size, buffer, sizeof(double) * size * (n - i));
+  }
+}
+KS_INLINE void clear(V *entries, int size) {
+  for (int e = 0; e < size; e++) entries[e] = broadcast(0);
+}
+
+static void k_jacobian(const Program *cp, const double *q, ptrdiff_t n, double *out, double *scratch) {
+  const Program &c = *cp;
+  Block b = carve(c, scratch);
+  if (!c.all_columns) clear(b.entries, 6 * c.columns);  // columns off the path stay zero
+  const Input in[] = {{q, c.columns, b.q}};
+  sweep(in, 1, n, b.entries, 6 * c.columns, out, line_buffer(c, scratch), [&]() __attribute__((always_inline)) {
+    jacobian_block(c, b.q, b);
+  });
+}
+static void k_pose(const Program *cp, const double *q, ptrdiff_t n, double *out, double *scratch) {
+  const Program &c = *cp;
+  Block b = carve(c, scratch);
+  V *T = b.entries;
+  clear(T, 15);
+  T[15] = broadcast(1);
+  const Input in[] = {{q, c.columns, b.q}};
+  sweep(in, 1, n, T, 16, out, line_buffer(c, scratch), [&]() __attribute__((always_inline)) {
+    const Frame f = tail(c, forward(c, b.q, b));
+    T[0] = f.X.x, T[1] = f.Y.x, T[2] = f.Z.x, T[3] = f.p.x;
+    T[4] = f.X.y, T[5] = f.Y.y, T[6] = f.Z.y, T[7] = f.p.y;
+    T[8] = f.X.z, T[9] = f.Y.z, T[10] = f.Z.z, T[11] = f.p.z;
+  });
+}
+
+// Rates of all columns, d/dt of what jacobian_block writes. A joint's axis turns with the body before it; with w and vo
+// the angular velocity and the velocity of the point p: d/dt (z x (at - p)) = (w x z) x (at - p) + z x (v_at - vo).
+KS_INLINE void rate_block(const Program &c, Block &b) {
+  const Frame f = forward(c, b.q, b);
+  const V zero = broadcast(0);
+  const Vec none{zero, zero, zero};
+  const Vec target = tail_point(c, f);
+  Vec w = none, vo = none;
+  for (int i = 0; i < c.joints; i++) {  // b.w: w x z of each axis; b.v: velocity of each joint's origin
+    const Joint &j = c.joint[i];
+    if (i) vo = vo + cross(w, b.origin[i] - b.origin[i - 1]);
+    else vo = none;
+    b.w[i] = cross(w, b.axis[i]);
+    const V rate = b.second[j.column];
+    if (j.kind != kinestatics::REVOLUTE) vo = add_scaled(vo, j.lift * rate, b.axis[i]);
+    b.v[i] = vo;
+    if (j.kind != kinestatics::PRISMATIC) w = add_scaled(w, j.scale * rate, b.axis[i]);
+  }
+  if (c.joints) vo = vo + cross(w, target - b.origin[c.joints - 1]);
+  const Vec at = c.origin_at_base ? none : target, v_at = c.origin_at_base ? none : vo;
+  const Frame t = c.axes_of_target ? tail(c, f) : f;
+  for (int i = 0; i < c.joints; i++) {
+    const Joint &j = c.joint[i];
+    Vec dv = scaled(b.w[i], j.lift), dw = none;
+    if (j.kind != kinestatics::PRISMATIC) {
+      Vec turned = cross(b.w[i], at - b.origin[i]) + cross(b.axis[i], v_at - b.v[i]);
+      dw = scaled(b.w[i], j.scale);
+      dv = j.kind == kinestatics::HELICAL ? add_scaled(scaled(turned, j.scale), j.lift, b.w[i]) : scaled(turned, j.scale);
+    }
+    if (c.axes_of_target) {
+      Vec v, u;
+      twist_of(j, b.axis[i], b.origin[i], at, v, u);
+      dv = into_axes(t, dv - cross(w, v));
+      dw = into_axes(t, dw - cross(w, u));
+    }
+    put(b.entries, c.columns, j, dv, dw);
+  }
+}
+static void k_jacobian_rate(const Program *cp, const double *q, const double *qd, ptrdiff_t n, double *out, double *scratch) {
+  const Program &c = *cp;
+  Block b = carve(c, scratch);
+  if (!c.all_columns) clear(b.entries, 6 * c.columns);
+  const Input in[] = {{q, c.columns, b.q}, {qd, c.columns, b.second}};
+  sweep(in, 2, n, b.entries, 6 * c.columns, out, line_buffer(c, scratch), [&]() __attribute__((always_inline)) {
+    rate_block(c, b);
+  });
+}
+
+// H[r][j][k] = dJ[r][j] / dq_k. With k before or at j on the chain, everything behind k turns with it: dX_j = w_k x X_j at a
+// point carried along; when j is before k only the point moves, by v_k. At the fixed base origin only the bracket remains.
+KS_INLINE void put_second(V *H, int n, const Joint &j, const Joint &k, Vec dv, Vec dw) {
+  V *e = H + j.column * n + k.column;
+  const int plane = n * n;
+  const V six[6] = {dv.x, dv.y, dv.z, dw.x, dw.y, dw.z};
+  if (__builtin_expect(j.add | k.add, 0)) {
+    for (int r = 0; r < 6; r++) e[r * plane] += six[r];
+  } else {
+    KS_UNROLL
+    for (int r = 0; r < 6; r++) e[r * plane] = six[r];
+  }
+}
+KS_INLINE void hessian_block(const Program &c, Block &b, bool clean) {
+  const Frame f = forward(c, b.q, b);
+  const V zero = broadcast(0);
+  const Vec none{zero, zero, zero};
+  const Vec at = c.origin_at_base ? none : tail_point(c, f);
+  for (int i = 0; i < c.joints; i++) twist_of(c.joint[i], b.axis[i], b.origin[i], at, b.v[i], b.w[i]);
+  if (clean) clear(b.entries, 6 * c.columns * c.columns);
+  const Frame t = c.axes_of_target ? tail(c, f) : f;
+  for (int k = 0; k < c.joints; k++)
+    for (int j = k; j < c.joints; j++) {
+      const Joint &jj = c.joint[j], &jk = c.joint[k];
+      Vec late = cross(b.w[k], b.v[j]), late_w = cross(b.w[k], b.w[j]);  // column j, moved by the earlier joint k
+      Vec early = late, early_w = none;                                  // column k, moved by the later joint j
+      if (c.origin_at_base) late = late - cross(b.w[j], b.v[k]), early = none;
+      if (c.axes_of_target) {
+        late = into_axes(t, late - cross(b.w[k], b.v[j])), late_w = into_axes(t, late_w - cross(b.w[k], b.w[j]));
+        early = into_axes(t, early - cross(b.w[j], b.v[k])), early_w = into_axes(t, early_w - cross(b.w[j], b.w[k]));
+      }
+      put_second(b.entries, c.columns, jj, jk, late, late_w);
+      if (j > k) put_second(b.entries, c.columns, jk, jj, early, early_w);
+    }
+}
+static void k_hessian(const Program *cp, const double *q, ptrdiff_t n, double *out, double *scratch) {
+  const Program &c = *cp;
+  Block b = carve(c, scratch);
+  const bool shared = c.gathers_columns;  // mimic joints add into the same entries: clear before each block
+  clear(b.entries, 6 * c.columns * c.columns);
+  const Input in[] = {{q, c.columns, b.q}};
+  sweep(in, 1, n, b.entries, 6 * c.columns * c.columns, out, line_buffer(c, scratch), [&]() __attribute__((always_inline)) {
+    hessian_block(c, b, shared);
+  });
+}
+
+// Torques that hold a tree of bodies against gravity, which points along -z of the program's base. One sweep out for the
+// first moments of mass, one sweep in to add them up behind each joint: O(joints).
+template <bool VERTICAL>
+KS_INLINE void gravity_block(const Program &c, Block &b, Frame *saved) {
+  all_sines(c, b.q, b.sine, b.cosine);
+  Frame f = base_frame();
+  for (int i = 0; i < c.joints; i++) {
+    const Joint &j = c.joint[i];
+    if (j.parent != i - 1 || j.parent < 0) f = j.parent < 0 ? base_frame() : saved[j.parent];
+    step_fixed(j, f);
+    step_moving(j, b.sine[i], b.cosine[i], b.q[j.column], f);
+    if (j.branches) saved[i] = f;  // a branch starts here again later
+    b.axis[i] = f.Z, b.origin[i] = f.p;
+    const V m = broadcast(j.mass);
+    b.v[i].x = fma_(j.moment[2], f.Z.x, fma_(j.moment[1], f.Y.x, fma_(j.moment[0], f.X.x, m * f.p.x)));
+    b.v[i].y = fma_(j.moment[2], f.Z.y, fma_(j.moment[1], f.Y.y, fma_(j.moment[0], f.X.y, m * f.p.y)));
+  }
+  for (int k = 0; k < c.columns; k++) b.entries[k] = broadcast(0);
+  for (int i = c.joints - 1; i >= 0; i--) {
+    const Joint &j = c.joint[i];
+    const Vec axis = b.axis[i], origin = b.origin[i], moment = b.v[i];
+    if (j.parent >= 0) b.v[j.parent].x += moment.x, b.v[j.parent].y += moment.y;
+    V torque = broadcast(0);
+    const V m = broadcast(j.subtree_mass);
+    if (!VERTICAL || j.kind != kinestatics::PRISMATIC)
+      torque = j.scale * (axis.x * fnma_(m, origin.y, moment.y) - axis.y * fnma_(m, origin.x, moment.x));
+    if (VERTICAL && j.kind != kinestatics::REVOLUTE) torque = fma_(j.lift * m, axis.z, torque);
+    b.entries[j.column] += c.gravity * torque;
+  }
+}
+static void k_gravity_torques(const Program *cp, const double *q, ptrdiff_t n, double *out, double *scratch) {
+  const Program &c = *cp;
+  Block b = carve(c, scratch);
+  Frame *saved = (Frame *)(line_buffer(c, scratch) + 2 * (entries_size(c) + 2) * LANES);
+  const Input in[] = {{q, c.columns, b.q}};
+  double *buffer = line_buffer(c, scratch);
+  if (c.vertical)
+    sweep(in, 1, n, b.entries, c.columns, out, buffer, [&]() __attribute__((always_inline)) { gravity_block<true>(c, b, saved); });
+  else
+    sweep(in, 1, n, b.entries, c.columns, out, buffer, [&]() __attribute__((always_inline)) { gravity_block<false>(c, b, saved); });
+}
+static void k_joint_torques(const Program *cp, const double *q, const double *wrench, ptrdiff_t n, double *out, double *scratch) {
+  const Program &c = *cp;
+  Block b = carve(c, scratch);
+  V *J = b.entries, *torque = (V *)b.extra;
+  clear(J, 6 * c.columns);
+  V f[8];
+  const Input in[] = {{q, c.columns, b.q}, {wrench, 6, f}};
+  sweep(in, 2, n, torque, c.columns, out, line_buffer(c, scratch), [&]() __attribute__((always_inline)) {
+    jacobian_block(c, b.q, b);
+    for (int k = 0; k < c.columns; k++) {
+      V sum = J[k] * f[0];
+      KS_UNROLL
+      for (int r = 1; r < 6; r++) sum = fma_(J[r * c.columns + k], f[r], sum);
+      torque[k] = sum;
+    }
+  });
+}
+static size_t k_scratch_size(const Program *cp) {
+  const Program &c = *cp;
+  return sweep_size(c) + 2 * LANES * (entries_size(c) + 2) + (size_t)c.joints * sizeof(Frame) / sizeof(double) + 64;
+}
+
+}  // namespace

@@ -1,0 +1,128 @@
+// Between arrays of configurations (one row each) and lanes: transposition in registers, and output in whole cache lines.
+#pragma once
+#include <cstdint>
+
+#include "lanes.hpp"
+
+namespace {  // every instruction set has its own copy: nothing here may be shared by the linker
+
+
+// a[e] holds entry e of LANES configurations; afterwards row w of `out` holds entries 0 .. LANES-1 of configuration w.
+#if LANES == 8
+#define KS_LOW(x, y) __builtin_shufflevector(x, y, 0, 1, 8, 9, 4, 5, 12, 13)
+#define KS_HIGH(x, y) __builtin_shufflevector(x, y, 2, 3, 10, 11, 6, 7, 14, 15)
+#define KS_EVEN(x, y) __builtin_shufflevector(x, y, 0, 8, 2, 10, 4, 12, 6, 14)
+#define KS_ODD(x, y) __builtin_shufflevector(x, y, 1, 9, 3, 11, 5, 13, 7, 15)
+#define KS_FIRST(x, y) __builtin_shufflevector(x, y, 0, 1, 2, 3, 8, 9, 10, 11)
+#define KS_SECOND(x, y) __builtin_shufflevector(x, y, 4, 5, 6, 7, 12, 13, 14, 15)
+KS_INLINE void transpose(const V *a, V *out) {
+  const V b0 = KS_EVEN(a[0], a[1]), b1 = KS_ODD(a[0], a[1]), b2 = KS_EVEN(a[2], a[3]), b3 = KS_ODD(a[2], a[3]);
+  const V b4 = KS_EVEN(a[4], a[5]), b5 = KS_ODD(a[4], a[5]), b6 = KS_EVEN(a[6], a[7]), b7 = KS_ODD(a[6], a[7]);
+  const V c0 = KS_LOW(b0, b2), c2 = KS_HIGH(b0, b2), c1 = KS_LOW(b1, b3), c3 = KS_HIGH(b1, b3);
+  const V d0 = KS_LOW(b4, b6), d2 = KS_HIGH(b4, b6), d1 = KS_LOW(b5, b7), d3 = KS_HIGH(b5, b7);
+  out[0] = KS_FIRST(c0, d0), out[4] = KS_SECOND(c0, d0);
+  out[1] = KS_FIRST(c1, d1), out[5] = KS_SECOND(c1, d1);
+  out[2] = KS_FIRST(c2, d2), out[6] = KS_SECOND(c2, d2);
+  out[3] = KS_FIRST(c3, d3), out[7] = KS_SECOND(c3, d3);
+}
+#elif LANES == 4
+KS_INLINE void transpose(const V *a, V *out) {
+  const V b0 = __builtin_shufflevector(a[0], a[1], 0, 4, 2, 6), b1 = __builtin_shufflevector(a[0], a[1], 1, 5, 3, 7);
+  const V b2 = __builtin_shufflevector(a[2], a[3], 0, 4, 2, 6), b3 = __builtin_shufflevector(a[2], a[3], 1, 5, 3, 7);
+  out[0] = __builtin_shufflevector(b0, b2, 0, 1, 4, 5), out[2] = __builtin_shufflevector(b0, b2, 2, 3, 6, 7);
+  out[1] = __builtin_shufflevector(b1, b3, 0, 1, 4, 5), out[3] = __builtin_shufflevector(b1, b3, 2, 3, 6, 7);
+}
+#else
+KS_INLINE void transpose(const V *a, V *out) {
+  out[0] = __builtin_shufflevector(a[0], a[1], 0, 2);
+  out[1] = __builtin_shufflevector(a[0], a[1], 1, 3);
+}
+#endif
+
+KS_INLINE void write_block(const V *entries, double *out, ptrdiff_t stride) {
+  V rows[LANES];
+  transpose(entries, rows);
+  KS_UNROLL
+  for (int w = 0; w < LANES; w++) store(out + w * stride, rows[w]);
+}
+// `size` entries of LANES configurations into rows of `out`, one after another.
+KS_INLINE void write_rows(const V *entries, int size, double *out) {
+  if (size >= LANES) {
+    int e = 0;
+    for (; e + LANES <= size; e += LANES) write_block(entries + e, out + e, size);
+    if (e < size) write_block(entries + size - LANES, out + size - LANES, size);  // overlaps the block before
+    return;
+  }
+  for (int w = 0; w < LANES; w++)
+    for (int e = 0; e < size; e++) out[w * size + e] = entries[e][w];
+}
+// The first `size` entries of LANES rows (each `size` long, contiguous, `readable` doubles in all) into lanes.
+KS_INLINE void read_rows(const double *rows, int size, ptrdiff_t readable, V *entries) {
+  int e = 0;
+  for (; e < size && (LANES - 1) * (ptrdiff_t)size + e + LANES <= readable; e += LANES) {
+    V from[LANES], to[LANES];
+    KS_UNROLL
+    for (int w = 0; w < LANES; w++) from[w] = load(rows + w * (ptrdiff_t)size + e);
+    transpose(from, to);
+    KS_UNROLL
+    for (int w = 0; w < LANES; w++) entries[e + w] = to[w];  // up to LANES - 1 entries past the end are scratch
+  }
+  for (; e < size; e++) {
+    V v{};
+    KS_UNROLL
+    for (int w = 0; w < LANES; w++) v[w] = rows[w * (ptrdiff_t)size + e];
+    entries[e] = v;
+  }
+}
+
+// Large outputs bypass the caches: rows are collected in `buffer` and leave it as whole 64-byte lines. The first and the
+// last line may belong partly to someone else; these are written with plain stores.
+class LineWriter {
+ public:
+  LineWriter(double *out, double *buffer) : buffer_(buffer), begin_(out) {
+    waiting_ = (int)(((uintptr_t)out & 63) / sizeof(double));
+    line_ = out - waiting_;
+  }
+  inline __attribute__((always_inline)) void put(const V *entries, int size) {
+    write_rows(entries, size, buffer_ + waiting_);
+    const int total = waiting_ + size * LANES;
+    int done = 0;
+    if (__builtin_expect(line_ < begin_, 0) && total >= 8) {
+      for (int k = (int)(begin_ - line_); k < 8; k++) line_[k] = buffer_[k];
+      done = 8;
+    }
+#if defined(__x86_64__)
+    for (; done + 8 <= total; done += 8) stream_line(line_ + done, buffer_ + done);
+#else
+    for (; done + 8 <= total; done += 8) std::memcpy(line_ + done, buffer_ + done, 64);
+#endif
+    line_ += done;
+    waiting_ = total - done;
+    for (int k = 0; k < waiting_; k++) buffer_[k] = buffer_[done + k];
+  }
+  void finish() {
+    for (int k = 0; k < waiting_; k++)
+      if (line_ + k >= begin_) line_[k] = buffer_[k];
+#if defined(__x86_64__)
+    _mm_sfence();
+#endif
+  }
+
+ private:
+#if defined(__x86_64__)
+  KS_INLINE void stream_line(double *to, const double *from) {
+#if LANES == 8
+    _mm512_stream_pd(to, _mm512_load_pd(from));
+#elif LANES == 4
+    _mm256_stream_pd(to, _mm256_load_pd(from));
+    _mm256_stream_pd(to + 4, _mm256_load_pd(from + 4));
+#else
+    for (int k = 0; k < 8; k += 2) _mm_stream_pd(to + k, _mm_load_pd(from + k));
+#endif
+  }
+#endif
+  double *buffer_, *line_, *begin_;
+  int waiting_;
+};
+
+}  // namespace

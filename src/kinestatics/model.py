@@ -1,0 +1,208 @@
+"""RobotModel: a robot as immutable data. Floor 2. Nothing here depends on q.
+
+A model is a tree of *moving joints*, sorted so that a parent comes before its children. Joint i carries a frame that
+moves with everything behind it; links are fixed to one of these frames or to the base. All joints are unit screws,
+so that no formula needs to ask for a joint's type. A mimic joint shares the column of its master.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from .errors import ConfigurationError, Finding, RobotDefinitionError, UnknownNameError, nearest
+from .frames import BASE, TIP
+from .namespaces import Array
+
+_ARRAYS = ("placements", "screws", "multipliers", "offsets", "link_placements", "masses", "centers_of_mass", "inertias")
+
+
+def _read_only(value: Array) -> Array:
+    array = np.array(value, dtype=None if np.asarray(value).dtype == object else np.float64)
+    array.setflags(write=False)
+    return array
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class RobotModel:
+    """A robot arm: names, placements, joint screws, masses and limits. Immutable; made by `load`, `from_dh`, `from_screws`.
+
+    With m moving joints, n independent joints (columns of the Jacobian) and L links:
+
+    Attributes:
+        name: name of the robot.
+        base, tip: link names; the tip is the default target of every question, None when the model has none.
+        joint_names: (n) independent joints, in the order of q.
+        moving_names: (m) all moving joints, mimic followers included, parents first.
+        kinds: (m) "revolute", "continuous", "prismatic" or "helical", for people to read.
+        parents: (m) index of the moving joint before, -1 for the base.
+        placements: (m, 4, 4) joint frame at zero, seen from the parent's frame [m].
+        screws: (m, 6) unit screw of the joint in its own frame, linear part first.
+        columns: (m) which entry of q moves the joint.
+        multipliers, offsets: (m) the joint moves by multiplier · q[column] + offset [rad or m].
+        link_names, link_joints: (L) the links and the moving joint that carries each, -1 for the base.
+        link_placements: (L, 4, 4) link frame seen from its joint's frame [m].
+        masses: (L) [kg]; centers_of_mass: (L, 3) in link axes [m]; inertias: (L, 3, 3) about the centre of mass [kg m²].
+        lower, upper: (n) position limits [rad or m], infinite where there is none.
+        velocity_limits: (n) [rad/s or m/s] and effort_limits: (n) [N m or N], infinite where unknown.
+        home: (n) the configuration called "home" [rad or m].
+        frozen: value of each joint that was held fixed when the model was made [rad or m].
+        source: where the numbers come from.
+        findings: what a careful reader of the robot's file would be told.
+        has_masses: whether any mass was given; without, gravity is an error and not a silent zero.
+
+    Example:
+        >>> import kinestatics as ks
+        >>> arm = ks.load("planar_2r")
+        >>> arm.joint_names
+        ('joint1', 'joint2')
+    """
+
+    name: str
+    base: str
+    tip: str | None
+    joint_names: tuple[str, ...]
+    moving_names: tuple[str, ...]
+    kinds: tuple[str, ...]
+    parents: tuple[int, ...]
+    placements: Array
+    screws: Array
+    columns: tuple[int, ...]
+    multipliers: Array
+    offsets: Array
+    link_names: tuple[str, ...]
+    link_joints: tuple[int, ...]
+    link_placements: Array
+    masses: Array
+    centers_of_mass: Array
+    inertias: Array
+    lower: Array
+    upper: Array
+    velocity_limits: Array
+    effort_limits: Array
+    home: Array
+    frozen: Mapping[str, float] = field(default_factory=dict)
+    source: str = ""
+    findings: tuple[Finding, ...] = ()
+
+    def __post_init__(self) -> None:
+        for entry in fields(self):
+            value = getattr(self, entry.name)
+            if isinstance(value, np.ndarray):
+                object.__setattr__(self, entry.name, _read_only(value))
+        order = all(-1 <= parent < i for i, parent in enumerate(self.parents))
+        if not order or len(set(self.link_names)) != len(self.link_names):
+            raise RobotDefinitionError("KS139", "joints are not sorted parents first, or two links share a name")
+
+    @property
+    def n(self) -> int:
+        """Number of independent joints: the length of q and the number of columns of the Jacobian."""
+        return len(self.joint_names)
+
+    @property
+    def has_masses(self) -> bool:
+        """Whether any link has a mass."""
+        return bool(self.masses.dtype == object or np.any(self.masses > 0))
+
+    @cached_property
+    def _link_index(self) -> dict[str, int]:
+        return {name: i for i, name in enumerate(self.link_names)}
+
+    def link(self, name: str) -> int:
+        """Index of a link; "base" and "tip" stand for the model's own.
+
+        Raises:
+            UnknownNameError: KS310, with the nearest names.
+        """
+        if (index := self._link_index.get(name)) is not None:
+            return index
+        if name == BASE:
+            return self._link_index[self.base]
+        if name == TIP:
+            if self.tip is None:
+                raise UnknownNameError(
+                    "KS311", f"robot {self.name!r} was loaded without a tip", "say at='a link', or load it with tip='a link'"
+                )
+            return self._link_index[self.tip]
+        raise UnknownNameError("KS310", f"robot {self.name!r} has no link {name!r}", nearest(name, self.link_names))
+
+    def path(self, joint: int) -> tuple[int, ...]:
+        """The moving joints from the base to `joint`, itself included; () for -1."""
+        found: list[int] = []
+        while joint >= 0:
+            found.append(joint)
+            joint = self.parents[joint]
+        return tuple(reversed(found))
+
+    @cached_property
+    def ancestry(self) -> Array:
+        """(m, m) ones where the joint of the row is moved by the joint of the column, itself included."""
+        matrix = np.zeros((len(self.parents), len(self.parents)))
+        for i, parent in enumerate(self.parents):
+            if parent >= 0:
+                matrix[i] = matrix[parent]
+            matrix[i, i] = 1.0
+        return matrix
+
+    @cached_property
+    def folding(self) -> Array:
+        """(m, n) matrix with q̇_moving = folding · q̇: one non-zero a row, the multiplier in the joint's column."""
+        matrix = np.zeros((len(self.columns), self.n), dtype=self.multipliers.dtype)
+        matrix[np.arange(len(self.columns)), list(self.columns)] = self.multipliers
+        return matrix
+
+    def map(self, function: Callable[[Array], Array]) -> RobotModel:
+        """The model with `function` applied to its kinematic and mass arrays (another array library, exact numbers, ...)."""
+        clone = object.__new__(RobotModel)
+        for entry in fields(self):
+            value = getattr(self, entry.name)
+            object.__setattr__(clone, entry.name, function(value) if entry.name in _ARRAYS else value)
+        return clone
+
+    def with_home(self, home: Iterable[float]) -> RobotModel:
+        """The model with another home configuration, (n) [rad or m]."""
+        q = np.asarray(list(home), dtype=np.float64)
+        if q.shape != (self.n,):
+            raise ConfigurationError("KS303", f"home has shape {q.shape}; expected ({self.n},)")
+        return replace(self, home=q)
+
+    def random_configurations(self, count: int, seed: int) -> Array:
+        """(count, n) configurations, uniform within the limits; joints without limits turn within ±π (or ±1 m).
+
+        The same seed gives the same configurations on every machine (NumPy's PCG64).
+        """
+        turns = np.zeros(self.n, dtype=bool)
+        for column, kind in zip(self.columns, self.kinds, strict=True):
+            turns[column] |= kind != "prismatic"
+        reach = np.where(turns, np.pi, 1.0)
+        lower = np.where(np.isfinite(self.lower), self.lower, -reach)
+        upper = np.where(np.isfinite(self.upper), self.upper, reach)
+        lower, upper = np.minimum(lower, upper), np.maximum(lower, upper)
+        return np.random.default_rng(seed).uniform(lower, upper, (count, self.n))
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {entry.name: getattr(self, entry.name) for entry in fields(self)}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        for name, value in state.items():
+            object.__setattr__(self, name, value)
+        self.__post_init__()
+
+    def __repr__(self) -> str:
+        return f"<RobotModel {self.name!r}: {self.n} joints, base {self.base!r}, tip {self.tip!r}>"
+
+    def __str__(self) -> str:
+        """A table of the joints with their limits."""
+        kind = dict(zip(self.moving_names, self.kinds, strict=True))
+        lines = [f"{self.name}: {self.n} joints from {self.base} to {self.tip or '(no tip)'}"]
+        width = max((len(name) for name in self.joint_names), default=5)
+        for i, name in enumerate(self.joint_names):
+            limits = f"[{self.lower[i]:.4g}, {self.upper[i]:.4g}]"
+            lines.append(f"  {i + 1:2d} {name:{width}s}  {kind[name]:10s}  {limits}")
+        for name, value in self.frozen.items():
+            lines.append(f"     {name:{width}s}  held at {value:g}")
+        return "\n".join(lines)
