@@ -1,0 +1,5 @@
+"""`python -m kinestatics` is the command `kinestatics`."""
+
+from .cli import main
+
+main()

@@ -1,0 +1,124 @@
+"""Arguments that several commands share, and how their text becomes numbers."""
+
+from __future__ import annotations
+
+import ast
+import math
+import operator
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+
+from ..errors import ConfigurationError, KinestaticsError, UnknownNameError, nearest
+from ..model import RobotModel
+from ..namespaces import Array
+from ..quantities import Wrench
+from ..robots.loading import load
+
+Robot = Annotated[str, typer.Argument(help="A catalogue name (see `kinestatics robots`) or a .urdf, .xml (MJCF), .xacro file.")]
+Base = Annotated[str | None, typer.Option(help="Link to start from; default the root.")]
+Tip = Annotated[str | None, typer.Option(help="Link whose motion is asked for; default the only end of a branch.")]
+At = Annotated[
+    str, typer.Option(help="Configuration: numbers such as 0,-pi/2,30deg (radians, metres), or home, zero, random.")
+]
+Seed = Annotated[int, typer.Option(help="Seed of --at random.")]
+Hold = Annotated[list[str] | None, typer.Option(help="Hold a joint off the path: name=value. May be repeated.")]
+Roots = Annotated[list[Path] | None, typer.Option("--package-root", help="Folder for package:// paths. May be repeated.")]
+AllowXacro = Annotated[bool, typer.Option("--allow-xacro", help="Expand a xacro file. It can run code: only files you trust.")]
+Json = Annotated[bool, typer.Option("--json", help="Machine-readable output.")]
+
+_OPERATIONS: dict[type[ast.AST], Callable[..., float]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.USub: operator.neg,
+    ast.UAdd: operator.pos,
+}
+
+
+def number(text: str) -> float:
+    """A number, with pi, + - * / and a trailing "deg"; nothing else is understood, and nothing is executed.
+
+    Raises:
+        ConfigurationError: KS340.
+
+    Example:
+        >>> number("-pi/2") == -math.pi / 2, number("30deg") == math.radians(30)
+        (True, True)
+    """
+    stripped = text.strip()
+    degrees = stripped.endswith("deg")
+    try:
+        value = _value(ast.parse(stripped.removesuffix("deg").strip(), mode="eval").body, depth=0)
+    except (SyntaxError, ValueError, ZeroDivisionError, RecursionError, MemoryError, OverflowError):
+        raise ConfigurationError("KS340", f"{text!r} is not a number", "write 0.5, -pi/2 or 30deg") from None
+    if not math.isfinite(value):
+        raise ConfigurationError("KS340", f"{text!r} is not finite", "write 0.5, -pi/2 or 30deg")
+    return math.radians(value) if degrees else value
+
+
+def _value(node: ast.AST, depth: int) -> float:
+    if depth > 20:
+        raise ValueError
+    if isinstance(node, ast.Constant) and type(node.value) in (int, float):
+        return float(node.value)
+    if isinstance(node, ast.Name) and node.id == "pi":
+        return math.pi
+    if isinstance(node, ast.BinOp) and type(node.op) in _OPERATIONS:
+        return _OPERATIONS[type(node.op)](_value(node.left, depth + 1), _value(node.right, depth + 1))
+    if isinstance(node, ast.UnaryOp) and type(node.op) in _OPERATIONS:
+        return _OPERATIONS[type(node.op)](_value(node.operand, depth + 1))
+    raise ValueError
+
+
+def numbers(text: str) -> list[float]:
+    """Numbers separated by commas or spaces."""
+    return [number(part) for part in text.replace(",", " ").split()]
+
+
+def read_robot(
+    robot: str, base: str | None, tip: str | None, hold: list[str] | None, roots: list[Path] | None, allow_xacro: bool
+) -> RobotModel:
+    """The model of the shared options."""
+    joints: dict[str, float] = {}
+    for entry in hold or []:
+        name, separator, value = entry.rpartition("=")
+        if not separator:
+            raise ConfigurationError("KS341", f"--hold {entry!r} is not name=value", "for example --hold finger_joint1=0.04")
+        joints[name] = number(value)
+    return load(robot, base, tip, joints, package_roots=roots or (), allow_xacro=allow_xacro)
+
+
+def read_configuration(model: RobotModel, at: str, seed: int) -> Array:
+    """home, zero, random, or n numbers."""
+    words: dict[str, Callable[[], Any]] = {
+        "home": lambda: model.home,
+        "zero": lambda: np.zeros(model.n),
+        "random": lambda: model.random_configurations(1, seed)[0],
+    }
+    if at in words:
+        return np.array(words[at]())
+    try:
+        return np.array(numbers(at), dtype=np.float64)
+    except KinestaticsError as error:
+        if at.isalpha():
+            raise UnknownNameError("KS342", f"--at {at!r} is not known", nearest(at, words)) from None
+        raise error
+
+
+def read_wrench(load_text: str | None, push_text: str | None) -> Wrench | None:
+    """--load (acts on the robot) or --push (the robot acts on its surroundings): 3 or 6 numbers."""
+    if load_text is not None and push_text is not None:
+        raise ConfigurationError("KS343", "--load and --push were both given", "give one; their effects add up")
+    for text, word, make in ((load_text, "--load", Wrench.on_robot), (push_text, "--push", Wrench.on_environment)):
+        if text is None:
+            continue
+        values = numbers(text)
+        if len(values) not in (3, 6):
+            raise ConfigurationError("KS344", f"{word} has {len(values)} numbers", "fx,fy,fz or fx,fy,fz,mx,my,mz [N, N m]")
+        return make(force=values[:3], torque=values[3:] or (0.0, 0.0, 0.0))
+    return None

@@ -1,0 +1,101 @@
+"""Evaluator: the hot path. One target, one frame, bare NumPy arrays in and out, straight into the kernels. Floor 5."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from ._kernels import STANDARD_GRAVITY, Chain, chain_arguments
+from .errors import ArrayTypeError, FrameMismatchError
+from .frames import BASE, TIP, Frame
+from .kinematics import named_frame
+from .model import RobotModel
+from .tasks import find_task
+
+
+class Evaluator(Chain):
+    """Computes one arm's quantities for one configuration or a batch, as bare float64 arrays.
+
+    All methods take q (..., n) and return (..., shape); `out=` takes the result's array, `threads=` splits large batches.
+    NaN in q gives NaN out. Everything is computed in C++ with the widest vectors the processor has; the GIL is released
+    for batches of 64 and more. The bits do not depend on batch size, threads or memory layout.
+
+    Methods:
+        pose(q) → (..., 4, 4); jacobian(q) → (..., 6, n); jacobian_rate(q, qd) → (..., 6, n); hessian(q) → (..., 6, n, n);
+        gravity_torques(q) → (..., n), what holds the arm [N m, N]; joint_torques(q, wrench) → (..., n), Jᵀ w;
+        manipulability(q) → (...), the product of the singular values of the rows in play, by QR;
+        singular_values(q) → (..., k), k = min(rows, n), descending;
+        damped_rates(q, twist, damping) → (..., n), Jᵀ(J Jᵀ + damping² I)⁻¹ twist over the rows in play.
+
+    Args:
+        model: the robot.
+        tip: link that is the target, default the model's tip.
+        point: (3) point of that link, in its axes [m].
+        frame: Frame(axes, origin) with base or tip for each; default Frame("base", "tip").
+        task: rows in play, as in `find_task`.
+        gravity: (3) in base axes [m/s²].
+
+    Raises:
+        FrameMismatchError: KS331, a frame other than these four.
+        ArrayTypeError: KS302, a model with symbolic lengths.
+
+    Laws: those of `jacobian`, `hessian`, ...; tests/laws holds the kernels to the definition.
+
+    Example:
+        >>> import kinestatics as ks
+        >>> ev = ks.Evaluator(ks.load("planar_2r"))
+        >>> ev.jacobian([[0.0, 0.0], [0.0, 1.5]]).shape
+        (2, 6, 2)
+    """
+
+    def __init__(
+        self,
+        model: RobotModel,
+        tip: str = TIP,
+        *,
+        point: Sequence[float] = (0.0, 0.0, 0.0),
+        frame: Frame | None = None,
+        task: str | Sequence[str] | Sequence[int] = "auto",
+        gravity: Sequence[float] = STANDARD_GRAVITY,
+    ) -> None:
+        if model.placements.dtype == object:
+            raise ArrayTypeError("KS302", f"robot {model.name!r} has symbolic lengths", "use kinestatics.jacobian(arm, symbols)")
+        link, base = model.link(tip), model.link(BASE)
+        self.model = model
+        self.frame = named_frame(model, frame or Frame(BASE, tip, (float(point[0]), float(point[1]), float(point[2]))))
+        axes, origin = model.link(self.frame.axes), model.link(self.frame.origin)
+        if axes not in (base, link) or origin not in (base, link):
+            raise FrameMismatchError(
+                "KS331",
+                f"an Evaluator writes in axes of base or tip at the origin of base or tip, not in {self.frame}",
+                "use kinestatics.jacobian(arm, q, frame=...), which knows every link",
+            )
+        self.task = find_task(model, task, at=tip, frame=frame)
+        self._arguments = (model, tip, tuple(point), frame, task, tuple(gravity))
+        super().__init__(
+            *chain_arguments(
+                model,
+                link,
+                axes_of_target=axes == link != base,
+                origin_at_base=origin == base != link,
+                offset=(float(point[0]), float(point[1]), float(point[2])),
+                rows=self.task.rows,
+                gravity=(float(gravity[0]), float(gravity[1]), float(gravity[2])),
+            )
+        )
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _rebuild, self._arguments
+
+    def __copy__(self) -> Evaluator:
+        return self
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Evaluator:
+        return self
+
+    def __repr__(self) -> str:
+        return f"<Evaluator of {self.model.name!r}, {self.frame}, rows {', '.join(self.task.row_names)}>"
+
+
+def _rebuild(model: RobotModel, tip: str, point: Any, frame: Frame | None, task: Any, gravity: Any) -> Evaluator:
+    return Evaluator(model, tip, point=point, frame=frame, task=task, gravity=gravity)

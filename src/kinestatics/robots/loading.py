@@ -1,0 +1,88 @@
+"""`load`: a robot by catalogue name or from a file. Floor 3."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from os import PathLike
+from pathlib import Path
+
+from ..errors import Place, RobotFileError, UnknownNameError, nearest
+from ..model import RobotModel
+from .assemble import assemble
+from .catalogue import catalogue_names, read_catalogue
+from .description import RobotDescription
+
+SUFFIXES = (".urdf", ".xml", ".mjcf", ".xacro")
+
+
+def load(
+    name_or_path: str | PathLike[str],
+    base: str | None = None,
+    tip: str | None = None,
+    joints: Mapping[str, float] | None = None,
+    *,
+    whole_tree: bool = False,
+    package_roots: Sequence[str | PathLike[str]] = (),
+    allow_xacro: bool = False,
+) -> RobotModel:
+    """A robot from the catalogue, or from a URDF, MJCF or xacro file.
+
+    The model is the chain from `base` to `tip`. Joints off that path are held, at the values in `joints` or at their home
+    or zero position; what hangs on them keeps its place and its mass. No network is used, and meshes are never read.
+
+    Args:
+        name_or_path: "ur5e" (see `kinestatics robots`), or a path to .urdf, .xml (MJCF or URDF), .xacro.
+        base: link to start from; any link may be named. Default the root.
+        tip: link whose motion is asked for; any link may be named. Default the only one at the end of a branch.
+        joints: joints to hold, {name: value} [rad or m].
+        whole_tree: make every moving joint a column of the Jacobian, on the path or not.
+        package_roots: folders in which package:// paths may be looked up, besides the model's own.
+        allow_xacro: expand a xacro file. It can run code: only for files you trust.
+
+    Raises:
+        UnknownNameError: no such robot, link or joint (with the nearest names).
+        RobotFileError: the file is wrong; code, file:line:column and a remedy.
+        RobotDefinitionError: KS314, several possible tips and none named.
+        MissingExtraError: MJCF without the package mujoco, xacro without xacrodoc.
+
+    Example:
+        >>> import kinestatics as ks
+        >>> ks.load("ur5e").n
+        6
+    """
+    path = Path(name_or_path)
+    text = str(name_or_path)
+    if path.suffix.lower() in SUFFIXES or path.is_file():
+        description = _read_file(path, base, tuple(Path(root) for root in package_roots), allow_xacro)
+    elif text in catalogue_names():
+        description = read_catalogue(text)
+    else:
+        hint = nearest(text, catalogue_names())
+        raise UnknownNameError("KS312", f"no file and no catalogue robot {text!r}", f"{hint} (`kinestatics robots` lists all)")
+    return assemble(description, base, tip, joints, whole_tree)
+
+
+def _read_file(path: Path, base: str | None, roots: tuple[Path, ...], allow_xacro: bool) -> RobotDescription:
+    if not path.is_file():
+        beside = sorted(p.name for p in path.parent.glob("*") if p.suffix.lower() in SUFFIXES) if path.parent.is_dir() else []
+        raise RobotFileError("KS109", "there is no such file", nearest(path.name, beside), Place(str(path)))
+    if path.suffix.lower() == ".xacro":
+        from .urdf import parse_urdf
+        from .xacro import expand_xacro
+
+        data = expand_xacro(path, allow_xacro=allow_xacro, package_roots=roots)
+        return parse_urdf(data, str(path), package_roots=roots, base=base)
+    if path.suffix.lower() in (".xml", ".mjcf") and _is_mjcf(path):
+        from .mjcf import read_mjcf
+
+        return read_mjcf(path, package_roots=roots, base=base)
+    from .urdf import read_urdf
+
+    return read_urdf(path, package_roots=roots, base=base)
+
+
+def _is_mjcf(path: Path) -> bool:
+    """Whether the root element is MuJoCo's; a file that is neither is left to the strict reader to refuse."""
+    with path.open("rb") as file:
+        head = file.read(1 << 16)
+    return b"<robot" not in head and (b"<mujoco" in head or path.suffix.lower() == ".mjcf")
