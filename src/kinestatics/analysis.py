@@ -184,7 +184,9 @@ def analyze(
     given = model.home if q is None else q
     configured, xp = configuration(model, given)
     if configured.ndim != 1 or xp.name != "numpy":
-        raise ConfigurationError("KS303", "analyze takes one numeric configuration", "loop over a batch, or use an Evaluator")
+        raise ConfigurationError(
+            "KS303", "analyze takes one numeric configuration", "loop over a batch, or use an Evaluator"
+        )
     values = np.array(configured, dtype=np.float64)
     J = jacobian(model, values, at=at)
     found = find_task(model, task, at=at)
@@ -288,8 +290,8 @@ def _paragraphs(a: Analysis) -> list[str]:
 def _heading(a: Analysis) -> str:
     q = ", ".join(format_number(x) for x in a.configuration)
     unit = {"prismatic": "m"}
-    units = {unit.get(kind, "rad") for kind in a.kinds}
-    return f"{a.robot}: {len(a.joints)} joints, from {a.base} to {a.tip}\nq = ({q}) [{', '.join(sorted(units, reverse=True)) or '-'}]"
+    units = ', '.join(sorted({unit.get(kind, "rad") for kind in a.kinds}, reverse=True)) or "-"
+    return f"{a.robot}: {len(a.joints)} joints, from {a.base} to {a.tip}\nq = ({q}) [{units}]"
 
 
 def _rank_text(a: Analysis) -> str:
@@ -336,7 +338,9 @@ def _torque_text(a: Analysis) -> str:
     for i, name in enumerate(a.joints):
         limit = format_number(a.effort_limits[i]) if np.isfinite(a.effort_limits[i]) else "unknown"
         over = "  over the limit" if abs(columns[-1][1][i]) > a.effort_limits[i] else ""
-        lines.append(f"  {name:{width}s}" + "".join(f"{format_number(c[i]):>12s}" for _, c in columns) + f"{limit:>12s}{over}")
+        lines.append(
+            f"  {name:{width}s}" + "".join(f"{format_number(c[i]):>12s}" for _, c in columns) + f"{limit:>12s}{over}"
+        )
     return "\n".join(lines)
 
 
@@ -348,5 +352,9 @@ def _limit_text(a: Analysis) -> str:
     for m in near:
         state = "outside by" if m.distance < 0 else "away"
         amount = format_number(abs(m.distance))
-        lines.append(f"  {m.joint}: {m.limit} limit, {state} {amount}" if m.distance < 0 else f"  {m.joint}: {amount} {state} from its {m.limit} limit")
+        lines.append(
+            f"  {m.joint}: {m.limit} limit, {state} {amount}"
+            if m.distance < 0
+            else f"  {m.joint}: {amount} {state} from its {m.limit} limit"
+        )
     return "\n".join(lines)

@@ -1,4 +1,4 @@
-"""How other libraries and books write a Jacobian: row order, axes, reference point, layout. Floor 1.
+"""How other libraries and books write a Jacobian: row order, axes, reference point, layout. Floor 2.
 
 Measured on a planar 2R arm, or read in the source or documentation (docs/conventions.md has the table with numbers).
 """
@@ -56,7 +56,9 @@ CONVENTIONS: Final = {
         Convention("kdl", LINEAR_FIRST, *_HYBRID, MATRIX, "ChainJntToJacSolver"),
         Convention("placo.world", LINEAR_FIRST, *_SPATIAL, MATRIX, "frame_jacobian(..., 'world')"),
         Convention("placo.local", LINEAR_FIRST, *_BODY, MATRIX, "frame_jacobian(..., 'local')"),
-        Convention("placo.local_world_aligned", LINEAR_FIRST, *_HYBRID, MATRIX, "frame_jacobian(..., 'local_world_aligned')"),
+        Convention(
+            "placo.local_world_aligned", LINEAR_FIRST, *_HYBRID, MATRIX, "frame_jacobian(..., 'local_world_aligned')"
+        ),
         Convention("pink", LINEAR_FIRST, *_BODY, MATRIX, "Configuration.get_frame_jacobian"),
         Convention("mink", LINEAR_FIRST, *_BODY, MATRIX, "Configuration.get_frame_jacobian"),
         Convention("manipulapy.space", ANGULAR_FIRST, *_SPATIAL, MATRIX, "jacobian(..., frame='space')"),

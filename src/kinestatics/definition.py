@@ -1,4 +1,4 @@
-"""THE definition of the kinematics: bare arrays in and out, any array library, no checks. Floor 3.
+"""THE definition of the kinematics: bare arrays in and out, any array library, no checks. Floor 4.
 
 Everything is built from one object, the *spatial twists* of the joints: column i is the twist, written in base axes at
 the base origin, that unit rate of moving joint i gives to everything behind it. Its derivative is a Lie bracket:

@@ -1,4 +1,4 @@
-"""Evaluator: the hot path. One target, one frame, bare NumPy arrays in and out, straight into the kernels. Floor 5."""
+"""Evaluator: the hot path. One target, one frame, bare NumPy arrays in and out, straight into the kernels. Floor 7."""
 
 from __future__ import annotations
 
@@ -59,7 +59,9 @@ class Evaluator(Chain):
         gravity: Sequence[float] = STANDARD_GRAVITY,
     ) -> None:
         if model.placements.dtype == object:
-            raise ArrayTypeError("KS302", f"robot {model.name!r} has symbolic lengths", "use kinestatics.jacobian(arm, symbols)")
+            raise ArrayTypeError(
+                "KS302", f"robot {model.name!r} has symbolic lengths", "use kinestatics.jacobian(arm, symbols)"
+            )
         link, base = model.link(tip), model.link(BASE)
         self.model = model
         self.frame = named_frame(model, frame or Frame(BASE, tip, (float(point[0]), float(point[1]), float(point[2]))))

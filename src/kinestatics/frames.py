@@ -15,7 +15,7 @@ class Frame(NamedTuple):
 
         Frame("base", "tip")     geometric Jacobian of textbooks: base axes, velocity of the tip's origin (the default)
         Frame.body("tip")        body Jacobian (Murray, Li, Sastry 1994, eq. 3.56): tip axes at the tip
-        Frame.spatial()          spatial Jacobian (MLS eq. 3.54): base axes, the point of the tip's body now at the base origin
+        Frame.spatial()          spatial Jacobian (MLS eq. 3.54): base axes, the body point now at the base origin
 
     Attributes:
         axes: link whose axes the components refer to.

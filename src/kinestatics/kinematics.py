@@ -1,4 +1,4 @@
-"""Public kinematics: pose, Jacobians, rates, accelerations of any link and point in any frame. Floor 4.
+"""Public kinematics: pose, Jacobians, rates, accelerations of any link and point in any frame. Floor 5.
 
 Checks arguments, finds links and frames, and asks the kernels (NumPy) or the definition (JAX, PyTorch, SymPy, and
 frames that the kernels do not write). Results are quantities that know their frame.
@@ -36,11 +36,13 @@ class _Plan(NamedTuple):
     chain: Chain | None
 
 
-class Locator(NamedTuple):
+class Locator:
     """Where frames are, for one model at one configuration (or batch of them)."""
 
-    model: RobotModel
-    q: Array
+    __slots__ = ("model", "q")
+
+    def __init__(self, model: RobotModel, q: Array) -> None:
+        self.model, self.q = model, q
 
     def __call__(self, frame: Frame) -> tuple[Frame, Array, Array, Namespace]:
         """The frame with link names, its rotation and origin in base axes, and the array library."""
@@ -129,7 +131,9 @@ _NUMPY = as_array(np.zeros(0))[1]
 def _symbolic(array: Array, xp: Namespace, model: RobotModel) -> tuple[Array, Namespace]:
     """Numbers as exact-looking symbols, for a model whose lengths are symbols."""
     if xp.name != "numpy":
-        raise ArrayTypeError("KS302", f"robot {model.name!r} has symbolic lengths; {xp.name} arrays cannot hold them", "pass symbols")
+        raise ArrayTypeError(
+            "KS302", f"robot {model.name!r} has symbolic lengths; {xp.name} arrays cannot hold them", "pass symbols"
+        )
     import sympy
 
     values = np.vectorize(lambda x: sympy.Integer(int(x)) if x == int(x) else sympy.Float(x), otypes=[object])

@@ -1,4 +1,4 @@
-"""Measures of a Jacobian: functions of its rows only. Floor 5.
+"""Measures of a Jacobian: functions of its rows only. Floor 6.
 
 Determinants of J Jᵀ lose half the digits near a singularity; everything here goes through singular values.
 """
@@ -39,7 +39,7 @@ def singular_values(rows: Any) -> Array:
 
 
 def manipulability(rows: Any) -> Array:
-    """Yoshikawa's measure w = σ1 ... σk, the volume of the velocity ellipsoid up to a constant; sqrt det(J Jᵀ) for wide rows.
+    """Yoshikawa's measure w = σ1 ... σk, the volume of the velocity ellipsoid but for a constant: √det(J Jᵀ).
 
     Args:
         rows: (..., r, n), for example J.linear.

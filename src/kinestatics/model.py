@@ -1,4 +1,4 @@
-"""RobotModel: a robot as immutable data. Floor 2. Nothing here depends on q.
+"""RobotModel: a robot as immutable data. Floor 3. Nothing here depends on q.
 
 A model is a tree of *moving joints*, sorted so that a parent comes before its children. Joint i carries a frame that
 moves with everything behind it; links are fixed to one of these frames or to the base. All joints are unit screws,

@@ -1,4 +1,4 @@
-"""Pose, Twist, Wrench, Acceleration, Jacobian: an array and the frame it is written in. Floor 2. No physics.
+"""Pose, Twist, Wrench, Acceleration, Jacobian: an array and the frame it is written in. Floor 3. No physics.
 
 Every six-vector knows its axes and its point; a mismatch is an error that names both frames and the remedy. The array
 may be of any library and have leading batch axes.
@@ -240,7 +240,9 @@ class Wrench(_SixVector):
     def __init__(self, array: Array, frame: Frame, acts_on: str) -> None:
         super().__init__(array, frame)
         if acts_on not in ("robot", "environment"):
-            raise UnknownNameError("KS317", f"acts_on={acts_on!r} is not known", "use Wrench.on_robot or Wrench.on_environment")
+            raise UnknownNameError(
+                "KS317", f"acts_on={acts_on!r} is not known", "use Wrench.on_robot or Wrench.on_environment"
+            )
         _set(self, "acts_on", acts_on)
 
     @classmethod

@@ -1,4 +1,4 @@
-"""`which_convention`: in which library's convention a foreign Jacobian is written. Floor 5."""
+"""`which_convention`: in which library's convention a foreign Jacobian is written. Floor 6."""
 
 from __future__ import annotations
 
@@ -65,7 +65,9 @@ def which_convention(array: Any, model: RobotModel, q: Any, *, at: str = TIP, to
     foreign = np.asarray(array, dtype=float)
     shapes = {(6, model.n), (6 * model.n,), (2, 3, model.n)}
     if foreign.shape not in shapes:
-        raise ConfigurationError("KS303", f"the array has shape {foreign.shape}; expected (6, {model.n})", "columns are joints")
+        raise ConfigurationError(
+            "KS303", f"the array has shape {foreign.shape}; expected (6, {model.n})", "columns are joints"
+        )
     J = jacobian(model, q, at=at)
     if J.array.ndim != 2:
         raise ConfigurationError("KS303", "which_convention takes one configuration, not a batch", "pass one q")
@@ -89,7 +91,9 @@ def _judge(
         message = f"{order} rows, axes of {axes}, at the origin of {origin}: as in {', '.join(matches)}"
         return Recognition(matches, order, axes, origin, residual, best, tolerance, message)
     if kinds:
-        message = f"several conventions agree at this configuration ({', '.join(matches)}); try a general one, no joint at zero"
+        message = (
+            f"several conventions agree at this configuration ({', '.join(matches)}); try a general one, no joint at zero"
+        )
         return Recognition(matches, "", "", "", residual, best, tolerance, message)
     scale = max(float(np.abs(negated).max(initial=0.0)), 1e-300)
     for name in residuals:
@@ -97,7 +101,7 @@ def _judge(
             message = f"no convention fits, but its negative is {name}: all joints turn the other way round"
             return Recognition((), "", "", "", residual, best, tolerance, message)
     message = (
-        f"no convention fits; the nearest is {best}, off by {residual:.2g} of the largest entry: another tip, another zero or "
-        "order of the joints, or other link lengths"
+        f"no convention fits; the nearest is {best}, off by {residual:.2g} of the largest entry: another tip, another zero "
+        "or order of the joints, or other link lengths"
     )
     return Recognition((), "", "", "", residual, best, tolerance, message)

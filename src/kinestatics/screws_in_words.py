@@ -1,4 +1,4 @@
-"""Twists and wrenches as a person would name them: along which axis, about which line, with what pitch. Floor 3."""
+"""Twists and wrenches as a person would name them: along which axis, about which line, with what pitch. Floor 4."""
 
 from __future__ import annotations
 
@@ -105,4 +105,6 @@ def describe_free_wrench(wrench: Array, axes: str, origin: str, length: float) -
     where, line = _direction_words(direction, axes), _point_words(point, length, origin)
     if abs(pitch) < _PURE * length:
         return Screw("force", direction, point, 0.0, f"force along {where}, {line}")
-    return Screw("wrench", direction, point, pitch, f"force along {where}, {line}, with {format_number(pitch)} N m of moment per N")
+    return Screw(
+        "wrench", direction, point, pitch, f"force along {where}, {line}, with {format_number(pitch)} N m of moment per N"
+    )

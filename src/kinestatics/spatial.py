@@ -1,4 +1,4 @@
-"""Algebra of rotations, poses and six-vectors on bare arrays of any library. Floor 1.
+"""Algebra of rotations, poses and six-vectors on bare arrays of any library. Floor 2.
 
 The only file that knows that rows 0..2 of a six-vector are the linear ones: (v, ω) for a twist, (f, τ) for a wrench.
 Batch axes come first; rotations are (..., 3, 3), points (..., 3), six-vectors (..., 6). No checks here.

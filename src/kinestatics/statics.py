@@ -1,4 +1,4 @@
-"""Statics: the transpose of the Jacobian. Joint torques, gravity, wrenches held for free and the twists lost with them. Floor 5.
+"""Statics: the transpose of the Jacobian. Joint torques, gravity, wrenches held for free, twists lost with them. Floor 6.
 
 Signs: `joint_torques` and `gravity_torques` return what the motors must supply to hold still.
 """
@@ -200,4 +200,3 @@ def lost_twists(J: Jacobian, length: float = 1.0) -> Array:
         (6 - rank, 6), (v, ω) in the frame of J.
     """
     return decompose(J, range(6), length).lost_twists
-

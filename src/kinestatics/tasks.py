@@ -1,4 +1,4 @@
-"""Which rows of a Jacobian count, and the rank they can have: the arm's task, found from its structure. Floor 4."""
+"""Which rows of a Jacobian count, and the rank they can have: the arm's task, found from its structure. Floor 6."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ import numpy as np
 
 from . import definition
 from ._kernels import ALL_ROWS
-from .definition import Target
 from .errors import UnknownNameError
 from .frames import TIP, Frame
+from .kinematics import jacobian
 from .model import RobotModel
 from .namespaces import Array, as_array
 from .spatial import ANGULAR_ROWS, LINEAR_ROWS, ROW_NAMES
@@ -58,7 +58,12 @@ def characteristic_length(model: RobotModel, at: str = TIP) -> float:
         2.0
     """
     path = model.path(model.link_joints[model.link(at)])
-    q = np.array([0.5 * (lo + hi) if np.isfinite(lo) and np.isfinite(hi) else 0.0 for lo, hi in zip(model.lower, model.upper, strict=True)])
+    q = np.array(
+        [
+            0.5 * (lo + hi) if np.isfinite(lo) and np.isfinite(hi) else 0.0
+            for lo, hi in zip(model.lower, model.upper, strict=True)
+        ]
+    )
     array, xp = as_array(q)
     poses = definition.joint_poses(model, array, xp)
     points = [poses.p[joint] for joint in path]
@@ -67,7 +72,9 @@ def characteristic_length(model: RobotModel, at: str = TIP) -> float:
     return max(sum(hops), 1e-9)
 
 
-def find_task(model: RobotModel, task: str | Sequence[str] | Sequence[int] = "auto", at: str = TIP, frame: Frame | None = None) -> Task:
+def find_task(
+    model: RobotModel, task: str | Sequence[str] | Sequence[int] = "auto", at: str = TIP, frame: Frame | None = None
+) -> Task:
     """The rows in play for an arm.
 
     Args:
@@ -94,7 +101,9 @@ def find_task(model: RobotModel, task: str | Sequence[str] | Sequence[int] = "au
     if task in TASKS:
         return Task(TASKS[task], _rank(samples, TASKS[task]), task, f"the task asked for is {task!r}")
     if task != "auto":
-        raise UnknownNameError("KS318", f"task {task!r} is not known", "say 'auto', 'full', 'position', 'orientation' or row names")
+        raise UnknownNameError(
+            "KS318", f"task {task!r} is not known", "say 'auto', 'full', 'position', 'orientation' or row names"
+        )
     return _automatic(samples)
 
 
@@ -110,8 +119,6 @@ def _named_rows(rows: Sequence[str] | Sequence[int]) -> tuple[int, ...]:
 
 def _samples(model: RobotModel, at: str, frame: Frame | None) -> Array:
     """Jacobians at fixed pseudo-random configurations, with lengths in units of the arm's reach: (samples, 6, n)."""
-    from .kinematics import jacobian
-
     rng = np.random.default_rng(20261124)
     q = rng.uniform(-np.pi, np.pi, (_SAMPLES, model.n))
     scaled = np.array(jacobian(model, q, at=at, frame=frame).array)

@@ -59,7 +59,9 @@ def from_elements(robot):
         axis = np.eye(3)["xyz".index(kind[1])] * (-1 if element.get("flip") else 1)
         screw = np.r_[axis, np.zeros(3)] if kind[0] == "t" else np.r_[np.zeros(3), axis]
         name = f"link{len(links)}"
-        joints.append(JointDescription(f"j{name}", "prismatic" if kind[0] == "t" else "continuous", links[-1].name, name, fixed, screw))
+        joints.append(
+            JointDescription(f"j{name}", "prismatic" if kind[0] == "t" else "continuous", links[-1].name, name, fixed, screw)
+        )
         links.append(LinkDescription(name))
         fixed = np.eye(4)
     joints.append(JointDescription("end", "fixed", links[-1].name, "tool", fixed))
@@ -100,14 +102,16 @@ def jacobian_in_convention(arm, q, case):
         ("space", "space origin (spatial/fixed twist)"): ks.Frame.spatial(),
     }[c["axes"], c["point"].replace(" + offset", "")]
     order = {"linear_first": "linear-angular", "angular_first": "angular-linear"}[c["order"]]
-    return ks.jacobian(arm, q, point=case["inputs"].get("offset_tip")).to_array(order=order, frame=None if "offset_tip" in case["inputs"] else frame)
+    return ks.jacobian(arm, q, point=case["inputs"].get("offset_tip")).to_array(
+        order=order, frame=None if "offset_tip" in case["inputs"] else frame
+    )
 
 
 def rows_of(quantity):
     return slice(0, 3) if "trans" in quantity else slice(3, 6) if "rot" in quantity else slice(0, 6)
 
 
-def compute(arm, q, case):  # noqa: PLR0911 - one return a quantity
+def compute(arm, q, case):
     quantity = case["quantity"]
     if "axis from point" in quantity:
         i = case["inputs"]
@@ -131,7 +135,7 @@ def compute(arm, q, case):  # noqa: PLR0911 - one return a quantity
     return measure(J, quantity, case)
 
 
-def measure(J, quantity, case):  # noqa: PLR0911 - one return a quantity
+def measure(J, quantity, case):
     rows = J[rows_of(quantity)]
     if "minimum-norm" in quantity:
         return np.linalg.pinv(J[:2]) @ case["inputs"]["v"]
@@ -164,10 +168,7 @@ def test_printed_number_is_reproduced(case):
     """Each printed number is reproduced to the digits it was printed with."""
     robot = case["robot"]
     arm = BUILD[robot["type"]](robot) if robot["type"] != "none" and "link_com_home" not in robot else None
-    if "link_com_home" in robot:
-        found = gravity_of_screws(robot, case)
-    else:
-        found = compute(arm, case["q"], case)
+    found = gravity_of_screws(robot, case) if "link_com_home" in robot else compute(arm, case["q"], case)
     tolerance = case["tolerance"]
     expected = np.array(case["expected"], dtype=float)
     assert np.shape(found) == expected.shape
@@ -175,7 +176,7 @@ def test_printed_number_is_reproduced(case):
 
 
 def gravity_of_screws(robot, case):
-    """Holding torques of screws that need not be unit: a screw of size s moves s times as far and feels s times the torque."""
+    """Holding torques of screws that need not be unit: one of size s moves s times as far, for s times the torque."""
     links, joints, sizes = [LinkDescription("base")], [], []
     for i, (S, mass, home) in enumerate(zip(robot["S"], robot["masses"], robot["link_com_home"], strict=True)):
         sizes.append(np.linalg.norm(S[:3]))

@@ -151,7 +151,9 @@ def test_worked_example_of_the_notes(name):
     computed = COMPUTED[name]()
     rng = np.random.default_rng(4)
     for _ in range(3):
-        numbers = {s: sp.Rational(int(rng.integers(1, 999)), 500) for s in (a1, a2, l1, l2, L, d1, d3, q3, t1, t2, u1, u2, w1, w2)}
+        numbers = {
+            s: sp.Rational(int(rng.integers(1, 999)), 500) for s in (a1, a2, l1, l2, L, d1, d3, q3, t1, t2, u1, u2, w1, w2)
+        }
         numbers |= {s: sp.Rational(int(rng.integers(1, 999)), 50) for s in (fx, fy, m1, m2, m, g)}
         numbers |= {L1: sp.Rational(7, 10), L2: sp.Rational(2, 5)}
         found, right = evaluate(computed, numbers), evaluate(expected, numbers)
@@ -176,8 +178,8 @@ def test_first_body_jacobian_of_note_003_is_the_right_one():
 def test_every_pose_jacobian_velocity_and_acceleration_is_covered():
     """The kinematic examples are all computed above; the rest belongs to inverse problems, measures and singular sets."""
     elsewhere = {
-        "000.planar.sing", "000.planar.rank", "000.planar.mu", "000.planar.null_JT", "000.spherical.sing", "000.spherical.tau",
-        "000.spherical.ellipsoid", "000.pinv", "002.power", "002.wrench_transform", "002.spatial_jacobian_formula",
+        "000.planar.sing", "000.planar.rank", "000.planar.mu", "000.planar.null_JT", "000.spherical.sing",
+        "000.spherical.tau", "000.spherical.ellipsoid", "000.pinv", "002.power", "002.wrench_transform", "002.spatial_jacobian_formula",
         "002.body_jacobian_formula", "003.Jbar", "003.AdgInv", "004.boundary", "004.near_rad", "004.near_tan", "004.sing_J",
         "004.leg_straight",
     }  # fmt: skip

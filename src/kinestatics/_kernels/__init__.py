@@ -1,4 +1,4 @@
-"""The C++ kernels and their one Python face: the quantities of `definition` for NumPy float64, one call or a batch. Floor 3."""
+"""The C++ kernels and their one Python face: the quantities of `definition`, one call or a batch. Floor 4."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def chain_arguments(
     offset: tuple[float, float, float] = (0.0, 0.0, 0.0),
     rows: tuple[int, ...] = ALL_ROWS,
     gravity: tuple[float, float, float] = STANDARD_GRAVITY,
-) -> tuple[object, ...]:
+) -> tuple[bytes, bytes, int, bool, bool, bytes, float, bytes]:
     """Arguments that make a `Chain`: the program of one target of a model.
 
     Args:

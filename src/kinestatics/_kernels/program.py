@@ -110,7 +110,7 @@ def _quarters(angle: float) -> tuple[int, float]:
 
 
 def _link(before: _Canonical | None, P: Array, joint: _Canonical, keep_whole: bool) -> None:
-    """The fixed part between the canonical frames of two joints; P is the joint's placement in the frame of the one before."""
+    """The fixed part between the canonical frames of two joints; P is a placement in the frame of the one before."""
     R, p = split_pose(P)
     R = R @ joint.R_joint_axis
     p = p + split_pose(P)[0] @ joint.p_joint_axis

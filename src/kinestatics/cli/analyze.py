@@ -9,7 +9,7 @@ import typer
 
 from ..analysis import analyze
 from .app import app, show
-from .arguments import At, AllowXacro, Base, Hold, Json, Robot, Roots, Seed, Tip, read_configuration, read_robot, read_wrench
+from .arguments import AllowXacro, At, Base, Hold, Json, Robot, Roots, Seed, Tip, read_configuration, read_robot, read_wrench
 
 
 @app.command("analyze")

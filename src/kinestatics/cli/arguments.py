@@ -18,7 +18,9 @@ from ..namespaces import Array
 from ..quantities import Wrench
 from ..robots.loading import load
 
-Robot = Annotated[str, typer.Argument(help="A catalogue name (see `kinestatics robots`) or a .urdf, .xml (MJCF), .xacro file.")]
+Robot = Annotated[
+    str, typer.Argument(help="A catalogue name (see `kinestatics robots`) or a .urdf, .xml (MJCF), .xacro file.")
+]
 Base = Annotated[str | None, typer.Option(help="Link to start from; default the root.")]
 Tip = Annotated[str | None, typer.Option(help="Link whose motion is asked for; default the only end of a branch.")]
 At = Annotated[
@@ -27,7 +29,9 @@ At = Annotated[
 Seed = Annotated[int, typer.Option(help="Seed of --at random.")]
 Hold = Annotated[list[str] | None, typer.Option(help="Hold a joint off the path: name=value. May be repeated.")]
 Roots = Annotated[list[Path] | None, typer.Option("--package-root", help="Folder for package:// paths. May be repeated.")]
-AllowXacro = Annotated[bool, typer.Option("--allow-xacro", help="Expand a xacro file. It can run code: only files you trust.")]
+AllowXacro = Annotated[
+    bool, typer.Option("--allow-xacro", help="Expand a xacro file. It can run code: only files you trust.")
+]
 Json = Annotated[bool, typer.Option("--json", help="Machine-readable output.")]
 
 _OPERATIONS: dict[type[ast.AST], Callable[..., float]] = {
@@ -64,7 +68,7 @@ def number(text: str) -> float:
 def _value(node: ast.AST, depth: int) -> float:
     if depth > 20:
         raise ValueError
-    if isinstance(node, ast.Constant) and type(node.value) in (int, float):
+    if isinstance(node, ast.Constant) and isinstance(node.value, int | float) and not isinstance(node.value, bool):
         return float(node.value)
     if isinstance(node, ast.Name) and node.id == "pi":
         return math.pi

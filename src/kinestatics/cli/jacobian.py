@@ -11,7 +11,7 @@ import typer
 from ..frames import BASE, TIP, Frame
 from ..kinematics import jacobian
 from .app import app, show
-from .arguments import At, AllowXacro, Base, Hold, Json, Robot, Roots, Seed, Tip, read_configuration, read_robot
+from .arguments import AllowXacro, At, Base, Hold, Json, Robot, Roots, Seed, Tip, read_configuration, read_robot
 
 
 @app.command("jacobian")
@@ -24,7 +24,8 @@ def command(
     axes: Annotated[str, typer.Option(help="Link whose axes are used: base, tip or any link.")] = BASE,
     origin: Annotated[str, typer.Option(help="Link at whose origin the linear part is taken: base, tip or any link.")] = TIP,
     convention: Annotated[
-        str | None, typer.Option(help="Write it as another library does, for example pinocchio.WORLD or modern_robotics.body.")
+        str | None,
+        typer.Option(help="Write it as another library does, for example pinocchio.WORLD or modern_robotics.body."),
     ] = None,
     hold: Hold = None,
     package_root: Roots = None,

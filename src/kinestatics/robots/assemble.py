@@ -1,4 +1,4 @@
-"""From a description to a RobotModel: choose base and tip, hold side branches, fold mimic joints. Floor 3.
+"""From a description to a RobotModel: choose base and tip, hold side branches, fold mimic joints. Floor 4.
 
 The links form a tree. It is hung up at `base`, which may be any link: a joint passed from child to parent is turned
 round (its screw changes sign). Joints that are not asked for are held at a value, so that what hangs on them keeps its
@@ -189,7 +189,7 @@ def _build(
     held: dict[str, float],
     masters: dict[str, tuple[str, float, float]],
 ) -> RobotModel:
-    exact = any(j.placement.dtype == object or j.screw.dtype == object for j in robot.joints)
+    exact = any(object in (j.placement.dtype, j.screw.dtype) for j in robot.joints)
     identity = np.eye(4, dtype=int).astype(object) if exact else np.eye(4)
     carried: dict[str, tuple[int, Array]] = {base: (-1, identity)}
     moving: list[JointDescription] = []

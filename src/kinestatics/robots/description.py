@@ -1,4 +1,4 @@
-"""A robot as a file tells it: links, joints, and where each stands. Floor 3.
+"""A robot as a file tells it: links, joints, and where each stands. Floor 4.
 
 Every reader (URDF, MJCF, DH rows, screws, the catalogue) ends here; `assemble` makes the RobotModel.
 """

@@ -1,4 +1,4 @@
-"""Denavit-Hartenberg tables, standard and modified. Floor 3.
+"""Denavit-Hartenberg tables, standard and modified. Floor 4.
 
 Standard (Denavit, Hartenberg 1955; Spong): link i is reached by Rz(θ) Tz(d) Tx(a) Rx(α), and joint i turns about the z
 axis *before* the row. Modified (Craig 1986): Rx(α) Tx(a) Rz(θ) Tz(d), and joint i turns about the row's own z axis.

@@ -1,4 +1,4 @@
-"""`load`: a robot by catalogue name or from a file. Floor 3."""
+"""`load`: a robot by catalogue name or from a file. Floor 4."""
 
 from __future__ import annotations
 
@@ -58,13 +58,17 @@ def load(
         description = read_catalogue(text)
     else:
         hint = nearest(text, catalogue_names())
-        raise UnknownNameError("KS312", f"no file and no catalogue robot {text!r}", f"{hint} (`kinestatics robots` lists all)")
+        raise UnknownNameError(
+            "KS312", f"no file and no catalogue robot {text!r}", f"{hint} (`kinestatics robots` lists all)"
+        )
     return assemble(description, base, tip, joints, whole_tree)
 
 
 def _read_file(path: Path, base: str | None, roots: tuple[Path, ...], allow_xacro: bool) -> RobotDescription:
     if not path.is_file():
-        beside = sorted(p.name for p in path.parent.glob("*") if p.suffix.lower() in SUFFIXES) if path.parent.is_dir() else []
+        beside = (
+            sorted(p.name for p in path.parent.glob("*") if p.suffix.lower() in SUFFIXES) if path.parent.is_dir() else []
+        )
         raise RobotFileError("KS109", "there is no such file", nearest(path.name, beside), Place(str(path)))
     if path.suffix.lower() == ".xacro":
         from .urdf import parse_urdf

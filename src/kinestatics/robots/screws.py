@@ -1,4 +1,4 @@
-"""Product of exponentials: an arm from its joint screws and home pose. Floor 3. Source: MLS section 3.2; Lynch, Park chapter 4."""
+"""Product of exponentials: an arm from joint screws and a home pose. Floor 4. Source: MLS section 3.2; Lynch, Park chapter 4."""
 
 from __future__ import annotations
 
@@ -87,9 +87,7 @@ def from_screws(
         kind = "prismatic" if not np.any(screw[ANGULAR]) else "helical" if _pitch(screw) else "continuous"
         lower, upper = limits[i] if limits is not None else (-np.inf, np.inf)
         placement = M if frame == "body" and i == 0 else np.eye(4)
-        joints.append(
-            JointDescription(names[i], kind, links[-1].name, f"link{i + 1}", placement, screw, lower, upper)
-        )
+        joints.append(JointDescription(names[i], kind, links[-1].name, f"link{i + 1}", placement, screw, lower, upper))
         links.append(LinkDescription(f"link{i + 1}"))
     last = M if frame == "spatial" or not joints else np.eye(4)
     joints.append(JointDescription("tip_joint", "fixed", links[-1].name, "tool", last))
@@ -118,7 +116,9 @@ def _ordered(screws: Array, order: str | None) -> Array:
                 "KS213", f"linear first or angular first? {seen}", "say order='linear-angular' or order='angular-linear'"
             )
     elif order not in ORDERS:
-        raise RobotDefinitionError("KS213", f"order {order!r} is not known", "say order='linear-angular' or 'angular-linear'")
+        raise RobotDefinitionError(
+            "KS213", f"order {order!r} is not known", "say order='linear-angular' or 'angular-linear'"
+        )
     elif order == "angular-linear":
         screws = swapped
     for i, screw in enumerate(screws):
@@ -129,7 +129,9 @@ def _ordered(screws: Array, order: str | None) -> Array:
         if not _is_unit(screw):
             length = np.linalg.norm(screw[ANGULAR])
             raise RobotDefinitionError(
-                "KS210", f"screw {i + 1}: rotation part has length {length:g}; expected 0 (with |v| = 1) or 1", "divide by it"
+                "KS210",
+                f"screw {i + 1}: rotation part has length {length:g}; expected 0 (with |v| = 1) or 1",
+                "divide by it",
             )
     return screws
 
