@@ -96,7 +96,8 @@ def _split(R: Array) -> tuple[float, tuple[float, float], float]:
     options = []
     for sign in (1.0, -1.0):
         a = math.atan2(sign * R[0, 2], -sign * R[1, 2])
-        b = math.atan2(sign * R[2, 0], sign * R[2, 1])
+        M = rotation_z(-a) @ R  # Rx(α) Rz(b): b from its first row is well determined, however small sin α is
+        b = math.atan2(-M[0, 1], M[0, 0])
         options.append((abs(a) + abs(b) + (0.01 if sign < 0 else 0.0), a, b, sign * sine))
     _, a, b, sine = min(options)
     return a, (float(R[2, 2]), sine), b

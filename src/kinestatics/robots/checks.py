@@ -1,0 +1,172 @@
+"""Is it a tree? Structural checks that all readers share, each with a code, a place and a remedy. Floor 4."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from ..errors import Finding, Place, RobotFileError, nearest
+from .description import JointDescription, LinkDescription, RobotDescription
+
+MAX_JOINTS = 2000
+
+
+def checked(
+    name: str,
+    links: Sequence[LinkDescription],
+    joints: Sequence[JointDescription],
+    *,
+    source: str,
+    base: str | None,
+    findings: Sequence[Finding],
+    tip: str | None = None,
+) -> RobotDescription:
+    """The description, after all structural checks; trees that do not hang on `base` are left out, with a finding.
+
+    Raises:
+        RobotFileError: KS106, KS121, KS130-KS137, KS152, KS153, KS170, KS171.
+    """
+    where = Place(source)
+    if not links:
+        raise RobotFileError("KS121", "robot has no <link>", "", where)
+    _unique(links, "link", "KS130")
+    _unique(joints, "joint", "KS131")
+    _known_links(links, joints)
+    _one_parent(joints)
+    _no_loops(joints)
+    _depth(joints)
+    _limits(joints)
+    _mimics(joints)
+    kept, dropped = _component(links, joints, base, where)
+    notes = [*findings]
+    if dropped:
+        shown = ", ".join(repr(link) for link in dropped[:5])
+        notes.append(Finding("KS136", f"links not connected to the base are left out: {shown}", where))
+    names = set(kept)
+    return RobotDescription(
+        name,
+        tuple(link for link in links if link.name in names),
+        tuple(joint for joint in joints if joint.parent in names),
+        source,
+        tip,
+        tuple(notes),
+    )
+
+
+def _unique(things: Sequence[LinkDescription] | Sequence[JointDescription], what: str, code: str) -> None:
+    seen: dict[str, Place | None] = {}
+    for thing in things:
+        if thing.name in seen:
+            first = seen[thing.name]
+            line = f"; first at line {first.line}" if first is not None else ""
+            raise RobotFileError(code, f"{what} {thing.name!r} is defined twice{line}", "rename one of them", thing.place)
+        seen[thing.name] = thing.place
+
+
+def _known_links(links: Sequence[LinkDescription], joints: Sequence[JointDescription]) -> None:
+    names = [link.name for link in links]
+    known = set(names)
+    for joint in joints:
+        for code, word, link in (("KS132", "parent", joint.parent), ("KS133", "child", joint.child)):
+            if link not in known:
+                message = f"joint {joint.name!r}: {word} link {link!r} does not exist"
+                raise RobotFileError(code, message, nearest(link, names), joint.place)
+
+
+def _one_parent(joints: Sequence[JointDescription]) -> None:
+    above: dict[str, JointDescription] = {}
+    for joint in joints:
+        if joint.parent == joint.child:
+            _loop([joint.child, joint.child], joint.place)
+        if (other := above.get(joint.child)) is not None:
+            message = f"link {joint.child!r} has two parents: joints {other.name!r} and {joint.name!r}"
+            raise RobotFileError("KS137", message, "a robot must be a tree; closed chains are not supported", joint.place)
+        above[joint.child] = joint
+
+
+def _loop(links: Sequence[str], place: Place | None) -> None:
+    raise RobotFileError("KS135", f"loop: {' -> '.join(links)}", "a robot must be a tree; closed chains are not supported", place)
+
+
+def _no_loops(joints: Sequence[JointDescription]) -> None:
+    above = {joint.child: joint for joint in joints}
+    settled: set[str] = set()
+    for joint in joints:
+        walk: list[str] = []
+        link = joint.child
+        while link in above and link not in settled:
+            if link in walk:
+                loop = walk[walk.index(link) :][::-1]
+                _loop([*loop, loop[0]], above[link].place)
+            walk.append(link)
+            link = above[link].parent
+        settled.update(walk)
+
+
+def _depth(joints: Sequence[JointDescription]) -> None:
+    """Chains are bounded; a link may have any number of children."""
+    above = {joint.child: joint for joint in joints}
+    depth: dict[str, int] = {}
+    for joint in joints:
+        walk: list[str] = []
+        link = joint.child
+        while link in above and link not in depth:
+            walk.append(link)
+            link = above[link].parent
+        for i, passed in enumerate(reversed(walk), start=depth.get(link, 0) + 1):
+            depth[passed] = i
+    deepest = max(depth.values(), default=0)
+    if deepest > MAX_JOINTS:
+        raise RobotFileError("KS106", f"{deepest} joints in a row; the limit is {MAX_JOINTS}", "", joints[-1].place)
+
+
+def _limits(joints: Sequence[JointDescription]) -> None:
+    for joint in joints:
+        if joint.lower > joint.upper:
+            message = f"joint {joint.name!r}: lower limit {joint.lower:g} is above upper limit {joint.upper:g}"
+            raise RobotFileError("KS152", message, "exchange them", joint.place)
+        for word, value in (("effort", joint.effort), ("velocity", joint.velocity)):
+            if value < 0:
+                raise RobotFileError("KS153", f"joint {joint.name!r}: {word} limit is negative", "limits are sizes", joint.place)
+
+
+def _mimics(joints: Sequence[JointDescription]) -> None:
+    by_name: Mapping[str, JointDescription] = {joint.name: joint for joint in joints}
+    for joint in joints:
+        if joint.mimic is None:
+            continue
+        if joint.mimic.joint not in by_name:
+            message = f"joint {joint.name!r} mimics joint {joint.mimic.joint!r}, which does not exist"
+            raise RobotFileError("KS170", message, nearest(joint.mimic.joint, by_name), joint.place)
+        walk = [joint.name]
+        following: JointDescription | None = joint
+        while following is not None and following.mimic is not None:
+            following = by_name.get(following.mimic.joint)
+            if following is not None and following.name in walk:
+                what = "itself" if len(walk) == 1 else " -> ".join([*walk, following.name])
+                raise RobotFileError("KS171", f"joint {joint.name!r} mimics {what}", "one joint must lead", joint.place)
+            if following is not None:
+                walk.append(following.name)
+
+
+def _component(
+    links: Sequence[LinkDescription], joints: Sequence[JointDescription], base: str | None, where: Place
+) -> tuple[list[str], list[str]]:
+    """The links connected to the base, and the others; the base is the only root unless named."""
+    children = {joint.child for joint in joints}
+    roots = [link for link in links if link.name not in children]
+    neighbours: dict[str, list[str]] = {link.name: [] for link in links}
+    for joint in joints:
+        neighbours[joint.parent].append(joint.child)
+        neighbours[joint.child].append(joint.parent)
+    if len(roots) > 1 and base not in neighbours:
+        shown = ", ".join(repr(root.name) for root in roots[:8]) + (" ..." if len(roots) > 8 else "")
+        both = "both " if len(roots) == 2 else ""
+        raise RobotFileError("KS136", f"links {shown} {both}have no parent", "pass base=...", roots[1].place or where)
+    start = base if base in neighbours else roots[0].name
+    reached, stack = {start}, [start]
+    while stack:
+        for link in neighbours[stack.pop()]:
+            if link not in reached:
+                reached.add(link)
+                stack.append(link)
+    return [link.name for link in links if link.name in reached], [link.name for link in links if link.name not in reached]

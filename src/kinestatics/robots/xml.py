@@ -1,0 +1,219 @@
+"""A strict XML reader for robot files over the standard library's expat: positions, limits, no entities. Floor 4.
+
+Nothing here knows links or joints. What the usual libraries swallow (a document type, a bomb, a number with a comma) is an
+error with its place.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import xml.parsers.expat as expat
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..errors import Place, RobotFileError
+from ..namespaces import Array
+
+MAX_BYTES = 64 << 20
+MAX_ELEMENTS = 200_000
+MAX_DEPTH = 64
+MAX_ATTRIBUTE = 4096
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|[+-]?(nan|inf|infinity)", re.IGNORECASE)
+
+
+@dataclass(frozen=True, eq=False)
+class Element:
+    """One XML element.
+
+    Attributes:
+        tag: its name; attributes: by name; place: file, line and column of its start; children: in order.
+    """
+
+    tag: str
+    attributes: Mapping[str, str]
+    place: Place
+    children: list[Element] = field(default_factory=list)
+
+    def all(self, tag: str) -> Iterator[Element]:
+        """The children of that name."""
+        return (child for child in self.children if child.tag == tag)
+
+    def first(self, tag: str) -> Element | None:
+        """The first child of that name, or None."""
+        return next(self.all(tag), None)
+
+    def walk(self) -> Iterator[Element]:
+        """This element and everything below it, in the order of the file; without recursion."""
+        stack = [self]
+        while stack:
+            element = stack.pop()
+            yield element
+            stack.extend(reversed(element.children))
+
+
+def check_bytes(data: bytes, file: str, max_bytes: int = MAX_BYTES) -> None:
+    """Size and encoding, before expat guesses at either.
+
+    Raises:
+        RobotFileError: KS100 empty, KS101 too large, KS105 not UTF-8.
+    """
+    if not data.strip():
+        raise RobotFileError("KS100", "the file is empty", place=Place(file))
+    if len(data) > max_bytes:
+        raise RobotFileError("KS101", f"file is {len(data)} bytes; the limit is {max_bytes}", "pass max_bytes=...", Place(file))
+    head = data[:512]
+    if b"\x00" in head and b"<" in head:
+        raise RobotFileError("KS105", "the file is not UTF-8 (it looks like UTF-16)", "save the file as UTF-8", Place(file))
+    declared = re.match(rb"\s*<\?xml[^>]*encoding=[\"']([A-Za-z0-9._-]+)", head)
+    if declared and declared[1].lower() not in (b"utf-8", b"utf8", b"us-ascii", b"ascii", b"iso-8859-1", b"latin1"):
+        raise RobotFileError(
+            "KS105", f"encoding {declared[1].decode()!r} is not supported", "save the file as UTF-8", Place(file, 1, 1)
+        )
+
+
+def parse_xml(data: bytes, file: str, *, max_bytes: int = MAX_BYTES, max_depth: int = MAX_DEPTH) -> Element:
+    """The root element of one XML document.
+
+    Args:
+        data: the bytes of the file; file: its name, for messages.
+        max_bytes, max_depth: limits on size and nesting.
+
+    Raises:
+        RobotFileError: KS100-KS105, KS110, with file, line and column.
+    """
+    check_bytes(data, file, max_bytes)
+    builder = _Builder(file, max_depth)
+    try:
+        builder.parser.Parse(data, True)
+    except expat.ExpatError as failure:
+        reason = expat.ErrorString(failure.code)
+        cut = reason in ("unclosed token", "no element found")
+        hint = "the file seems cut off" if cut else "is this an XML file?" if failure.lineno == 1 and builder.root is None else ""
+        place = Place(file, failure.lineno, failure.offset + 1)
+        code = "KS105" if reason == "not well-formed (invalid token)" and not _is_utf8(data) else "KS100"
+        text = "the file is not UTF-8" if code == "KS105" else f"not well-formed XML: {reason}"
+        raise RobotFileError(code, text, "save the file as UTF-8" if code == "KS105" else hint, place) from None
+    except (UnicodeDecodeError, ValueError) as failure:
+        if isinstance(failure, RobotFileError):
+            raise
+        raise RobotFileError("KS105", f"cannot be decoded: {failure}", "save the file as UTF-8", Place(file)) from None
+    if builder.root is None:
+        raise RobotFileError("KS100", "not well-formed XML: no element found", "", Place(file))
+    return builder.root
+
+
+def _is_utf8(data: bytes) -> bool:
+    try:
+        data.decode("utf-8")
+    except UnicodeDecodeError:
+        return False
+    return True
+
+
+class _Builder:
+    """Collects elements from expat's events and refuses what is over a limit."""
+
+    def __init__(self, file: str, max_depth: int) -> None:
+        self.file, self.max_depth = file, max_depth
+        self.root: Element | None = None
+        self.open: list[Element] = []
+        self.count = 0
+        self.parser = expat.ParserCreate()
+        self.parser.StartElementHandler = self.start
+        self.parser.EndElementHandler = self.end
+        self.parser.StartDoctypeDeclHandler = self.refuse
+        self.parser.EntityDeclHandler = self.refuse
+        self.parser.ExternalEntityRefHandler = self.refuse
+
+    def error(self, code: str, message: str, hint: str = "") -> RobotFileError:
+        place = Place(self.file, self.parser.CurrentLineNumber, self.parser.CurrentColumnNumber + 1)
+        return RobotFileError(code, message, hint, place)
+
+    def refuse(self, *_: object) -> int:
+        raise self.error("KS110", "DOCTYPE/ENTITY is not allowed in a robot file", "delete the <!DOCTYPE ...> block")
+
+    def start(self, tag: str, attributes: dict[str, str]) -> None:
+        self.count += 1
+        if self.count > MAX_ELEMENTS:
+            raise self.error("KS102", f"more than {MAX_ELEMENTS} elements")
+        if len(self.open) >= self.max_depth:
+            raise self.error("KS103", f"elements nested deeper than {self.max_depth}")
+        for name, value in attributes.items():
+            if len(value) > MAX_ATTRIBUTE and not name.startswith(("vertex", "face", "point", "texcoord", "qpos", "qvel", "data")):
+                raise self.error("KS104", f"attribute {name!r} is {len(value)} characters; the limit is {MAX_ATTRIBUTE}")
+        place = Place(self.file, self.parser.CurrentLineNumber, self.parser.CurrentColumnNumber + 1)
+        element = Element(tag, attributes, place)
+        if self.open:
+            self.open[-1].children.append(element)
+        else:
+            self.root = element
+        self.open.append(element)
+
+    def end(self, _: str) -> None:
+        self.open.pop()
+
+
+def required(element: Element, name: str, what: str) -> str:
+    """An attribute that must be there.
+
+    Raises:
+        RobotFileError: KS125.
+    """
+    if (value := element.attributes.get(name)) is None:
+        raise RobotFileError("KS125", f"{what}: <{element.tag}> has no attribute {name!r}", "", element.place)
+    return value
+
+
+def read_number(text: str, what: str, place: Place, infinite: bool = False) -> float:
+    """One number as robot files write it: decimal point, no separators, finite unless `infinite` is allowed.
+
+    Raises:
+        RobotFileError: KS145 not a number, KS146 not finite.
+    """
+    word = text.strip()
+    if not _NUMBER.fullmatch(word):
+        hint = ""
+        if word.count(",") == 1 and re.fullmatch(r"[+-]?\d+,\d+", word):
+            hint = "use a decimal point"
+        elif "," in word:
+            hint = "separate with spaces, not commas"
+        elif "${" in word:
+            hint = "this looks like xacro: expand it first, or name the file .xacro"
+        raise RobotFileError("KS145", f"{what}: {word[:60]!r} is not a number", hint, place)
+    value = float(word)
+    if math.isnan(value) or (math.isinf(value) and not infinite):
+        raise RobotFileError("KS146", f"{what}: {word} is not finite", "give a finite number", place)
+    return value
+
+
+def read_vector(text: str, size: int, what: str, place: Place) -> Array:
+    """Exactly `size` finite numbers separated by white space, as float64.
+
+    Raises:
+        RobotFileError: KS144 wrong count, KS145, KS146.
+    """
+    words = text.split()
+    values = [read_number(word, what, place) for word in words]
+    if len(values) != size:
+        hint = "is this a quaternion?" if size == 3 and len(values) == 4 else ""
+        raise RobotFileError("KS144", f"{what}: expected {size} numbers, found {len(values)}", hint, place)
+    return np.array(values)
+
+
+def check_name(name: str, what: str, place: Place) -> str | None:
+    """A sentence about control characters or markup in a name, or None."""
+    if any(not c.isprintable() or c in "<>&" for c in name):
+        return f"{what} name {name!r} holds control characters or markup; it is shown escaped"
+    return None
+
+
+def numbers_in(element: Element, names: Sequence[str]) -> dict[str, list[float]]:
+    """The numbers of those attributes that are present, each checked to be finite."""
+    found = {}
+    for name in names:
+        if (text := element.attributes.get(name)) is not None:
+            found[name] = [read_number(word, f"<{element.tag} {name}>", element.place) for word in text.split()]
+    return found
