@@ -290,7 +290,7 @@ def _paragraphs(a: Analysis) -> list[str]:
 def _heading(a: Analysis) -> str:
     q = ", ".join(format_number(x) for x in a.configuration)
     unit = {"prismatic": "m"}
-    units = ', '.join(sorted({unit.get(kind, "rad") for kind in a.kinds}, reverse=True)) or "-"
+    units = ", ".join(sorted({unit.get(kind, "rad") for kind in a.kinds}, reverse=True)) or "-"
     return f"{a.robot}: {len(a.joints)} joints, from {a.base} to {a.tip}\nq = ({q}) [{units}]"
 
 

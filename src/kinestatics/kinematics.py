@@ -55,7 +55,7 @@ class Locator:
 
 def named_frame(model: RobotModel, frame: Frame) -> Frame:
     """The frame with "base" and "tip" replaced by link names."""
-    axes, origin = model.link_names[model.link(frame.axes)], model.link_names[model.link(frame.origin)]
+    axes, origin = model.link_name(model.link(frame.axes)), model.link_name(model.link(frame.origin))
     return Frame(axes, origin, tuple(float(x) for x in frame.offset))  # type: ignore[arg-type]
 
 
@@ -82,7 +82,7 @@ def _make_plan(model: RobotModel, at: str, point: Any, frame: Frame | None, rela
     named = named_frame(model, frame)
     reference = model.link(relative_to) if relative_to is not None else None
     target = Target(link, model.link(named.axes), model.link(named.origin), named.offset, reference)
-    return _Plan(target, named, model.link_names[link], _chain(model, target))
+    return _Plan(target, named, model.link_name(link), _chain(model, target))
 
 
 def _chain(model: RobotModel, target: Target) -> Chain | None:

@@ -51,7 +51,8 @@ def manipulability(rows: Any) -> Array:
 
     Example:
         >>> import kinestatics as ks
-        >>> float(ks.manipulability(ks.jacobian(ks.load("planar_2r"), [0.0, 1.5707963267948966]).array[:2]))
+        >>> J = ks.jacobian(ks.load("planar_2r"), [0.0, 1.5707963267948966])
+        >>> round(float(ks.manipulability(J.array[:2])), 12)
         1.0
     """
     return np.prod(singular_values(rows), axis=-1)

@@ -113,22 +113,29 @@ class RobotModel:
         return {name: i for i, name in enumerate(self.link_names)}
 
     def link(self, name: str) -> int:
-        """Index of a link; "base" and "tip" stand for the model's own.
+        """Index of a link; "base" and "tip" always stand for the model's own, whatever its links are called.
+
+        A link that happens to be called "base" or "tip" without being it is reached as "link:base" or "link:tip".
 
         Raises:
-            UnknownNameError: KS310, with the nearest names.
+            UnknownNameError: KS310, with the nearest names; KS311 when the model has no tip.
         """
-        if (index := self._link_index.get(name)) is not None:
-            return index
         if name == BASE:
             return self._link_index[self.base]
-        if name == TIP:
+        if name == TIP and (self.tip is not None or TIP not in self._link_index):
             if self.tip is None:
                 raise UnknownNameError(
                     "KS311", f"robot {self.name!r} was loaded without a tip", "say at='a link', or load it with tip='a link'"
                 )
             return self._link_index[self.tip]
+        if (index := self._link_index.get(name.removeprefix("link:"))) is not None:
+            return index
         raise UnknownNameError("KS310", f"robot {self.name!r} has no link {name!r}", nearest(name, self.link_names))
+
+    def link_name(self, index: int) -> str:
+        """The name by which `link` finds this link: its own, or "link:base" for one that only happens to be called so."""
+        name = self.link_names[index]
+        return name if self.link(name) == index else f"link:{name}"
 
     def path(self, joint: int) -> tuple[int, ...]:
         """The moving joints from the base to `joint`, itself included; () for -1."""

@@ -142,7 +142,7 @@ class Pose(_Frozen):
     def __str__(self) -> str:
         if self.array.ndim > 2:
             return repr(self)
-        rows = [[""] + [format_number(x) for x in row] for row in self.array[:3]]
+        rows = [[""] + [format_number(x) for x in row] for row in self.array[:-1]]
         return f"pose of {self.link} seen from {self.seen_from} [m]\n" + _table(rows)
 
 

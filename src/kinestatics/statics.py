@@ -198,5 +198,10 @@ def lost_twists(J: Jacobian, length: float = 1.0) -> Array:
 
     Returns:
         (6 - rank, 6), (v, ω) in the frame of J.
+
+    Example:
+        >>> import kinestatics as ks
+        >>> ks.lost_twists(ks.jacobian(ks.load("planar_2r"), [0.0, 0.0]))[0]
+        array([1., 0., 0., 0., 0., 0.])
     """
     return decompose(J, range(6), length).lost_twists

@@ -14,7 +14,7 @@ from .frames import TIP, Frame
 from .kinematics import jacobian
 from .model import RobotModel
 from .namespaces import Array, as_array
-from .spatial import ANGULAR_ROWS, LINEAR_ROWS, ROW_NAMES
+from .spatial import ANGULAR, ANGULAR_ROWS, LINEAR, LINEAR_ROWS, ROW_NAMES
 
 TASKS = {"full": ALL_ROWS, "position": LINEAR_ROWS, "orientation": ANGULAR_ROWS}
 _SAMPLES = 24
@@ -47,7 +47,7 @@ class Task:
 
 
 def characteristic_length(model: RobotModel, at: str = TIP) -> float:
-    """Reach of the chain to a link: the sum of the distances between successive joint axes' points, at least 1e-9 [m].
+    """Reach of the chain to a link: the sum of the distances from one joint axis to the next and to the tip, at least 1e-9 [m].
 
     It turns radians into metres where the two are compared (ranks, condition numbers); every result that uses it shows it.
     A prismatic joint with limits adds the middle of its range.
@@ -66,10 +66,15 @@ def characteristic_length(model: RobotModel, at: str = TIP) -> float:
     )
     array, xp = as_array(q)
     poses = definition.joint_poses(model, array, xp)
-    points = [poses.p[joint] for joint in path]
+    points = [poses.p[joint] + poses.R[joint] @ _axis_point(model.screws[joint]) for joint in path]
     _, end = definition.link_pose(model, poses, model.link(at), array, xp)
     hops = [float(np.linalg.norm(b - a)) for a, b in zip(points, [*points[1:], end], strict=True)]
     return max(sum(hops), 1e-9)
+
+
+def _axis_point(screw: Array) -> Array:
+    """The point of a joint's axis nearest to its frame's origin."""
+    return np.cross(screw[ANGULAR], screw[LINEAR])
 
 
 def find_task(

@@ -39,10 +39,27 @@ def test_home_is_within_limits_and_not_singular(name):
 @pytest.mark.parametrize("name", NAMES)
 def test_every_file_names_its_sources(name):
     """Each file has sources that say what they give, and only keys that the reader knows."""
-    data = tomllib.loads(resources.files("kinestatics.robots.catalogue").joinpath(f"{name}.toml").read_text(encoding="utf-8"))
+    data = tomllib.loads(
+        resources.files("kinestatics.robots.catalogue").joinpath(f"{name}.toml").read_text(encoding="utf-8")
+    )
     assert data["name"] == name
     assert all(source["document"] and source["gives"] for source in data["source"])
-    known = {"name", "link", "type", "a", "alpha", "d", "theta", "axis", "point", "pitch", "lower", "upper", "velocity", "effort"}
+    known = {
+        "name",
+        "link",
+        "type",
+        "a",
+        "alpha",
+        "d",
+        "theta",
+        "axis",
+        "point",
+        "pitch",
+        "lower",
+        "upper",
+        "velocity",
+        "effort",
+    }
     known |= {"home", "mass", "center_of_mass", "inertia"}
     for joint in data["joint"]:
         assert set(joint) <= known

@@ -20,9 +20,9 @@ app = typer.Typer(
 
 def _version(wanted: bool) -> None:
     if wanted:
-        from .. import __version__
+        from importlib.metadata import version
 
-        typer.echo(__version__)
+        typer.echo(version("kinestatics"))
         raise typer.Exit
 
 

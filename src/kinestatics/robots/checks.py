@@ -84,7 +84,9 @@ def _one_parent(joints: Sequence[JointDescription]) -> None:
 
 
 def _loop(links: Sequence[str], place: Place | None) -> None:
-    raise RobotFileError("KS135", f"loop: {' -> '.join(links)}", "a robot must be a tree; closed chains are not supported", place)
+    raise RobotFileError(
+        "KS135", f"loop: {' -> '.join(links)}", "a robot must be a tree; closed chains are not supported", place
+    )
 
 
 def _no_loops(joints: Sequence[JointDescription]) -> None:
@@ -126,7 +128,9 @@ def _limits(joints: Sequence[JointDescription]) -> None:
             raise RobotFileError("KS152", message, "exchange them", joint.place)
         for word, value in (("effort", joint.effort), ("velocity", joint.velocity)):
             if value < 0:
-                raise RobotFileError("KS153", f"joint {joint.name!r}: {word} limit is negative", "limits are sizes", joint.place)
+                raise RobotFileError(
+                    "KS153", f"joint {joint.name!r}: {word} limit is negative", "limits are sizes", joint.place
+                )
 
 
 def _mimics(joints: Sequence[JointDescription]) -> None:

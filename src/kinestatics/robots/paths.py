@@ -56,6 +56,9 @@ def resolve(name: str, folder: Path, roots: Sequence[Path], place: Place | None)
             return real, tried
     if outside:
         raise RobotFileError(
-            "KS111", f"path {name!r} leaves the model folder", "move the file, or name its folder with package_roots=...", place
+            "KS111",
+            f"path {name!r} leaves the model folder",
+            "move the file, or name its folder with package_roots=...",
+            place,
         )
     return None, tried

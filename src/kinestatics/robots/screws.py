@@ -1,4 +1,4 @@
-"""Product of exponentials: an arm from joint screws and a home pose. Floor 4. Source: MLS section 3.2; Lynch, Park chapter 4."""
+"""Product of exponentials: an arm from joint screws and a home pose. Floor 4. Source: MLS section 3.2."""
 
 from __future__ import annotations
 
@@ -70,8 +70,8 @@ def from_screws(
 
     Example:
         >>> import kinestatics as ks
-        >>> arm = ks.from_screws([ks.screw_axis((0, 0, 1)), ks.screw_axis((0, 0, 1), point=(1, 0, 0))])
-        >>> arm.n
+        >>> axes = [ks.screw_axis((0, 0, 1)), ks.screw_axis((0, 0, 1), point=(1, 0, 0))]
+        >>> ks.from_screws(axes, order="linear-angular").n
         2
     """
     if frame not in ("spatial", "body"):

@@ -42,7 +42,9 @@ def read_urdf(
     except OSError as failure:
         raise RobotFileError("KS109", f"cannot be read: {failure.strerror}", "", Place(str(path))) from None
     if size > max_bytes:
-        raise RobotFileError("KS101", f"file is {size} bytes; the limit is {max_bytes}", "pass max_bytes=...", Place(str(path)))
+        raise RobotFileError(
+            "KS101", f"file is {size} bytes; the limit is {max_bytes}", "pass max_bytes=...", Place(str(path))
+        )
     return parse_urdf(data, str(path), package_roots=package_roots, base=base, max_bytes=max_bytes)
 
 
@@ -151,7 +153,9 @@ def _joint(element: Element, base: str | None, findings: list[Finding]) -> Joint
         )
     if kind not in TYPES and kind not in NOT_YET:
         hint = "a helical joint comes in by from_screws" if kind in ("helical", "screw") else ""
-        raise RobotFileError("KS140", f"joint {name!r}: type {kind!r}; allowed in URDF: {', '.join(TYPES)}", hint, element.place)
+        raise RobotFileError(
+            "KS140", f"joint {name!r}: type {kind!r}; allowed in URDF: {', '.join(TYPES)}", hint, element.place
+        )
     parent, child = _end(element, "parent", name), _end(element, "child", name)
     placement = _origin(element, f"joint {name!r}")
     if kind == "fixed" or kind in NOT_YET:
@@ -159,7 +163,9 @@ def _joint(element: Element, base: str | None, findings: list[Finding]) -> Joint
     axis = _axis(element, name, findings)
     screw = np.concatenate([axis, np.zeros(3)] if kind == "prismatic" else [np.zeros(3), axis])
     limits = _limits(element, name, kind, findings)
-    return JointDescription(name, kind, parent, child, placement, screw, *limits, mimic=_mimic(element, name), place=element.place)
+    return JointDescription(
+        name, kind, parent, child, placement, screw, *limits, mimic=_mimic(element, name), place=element.place
+    )
 
 
 def _axis(element: Element, name: str, findings: list[Finding]) -> Array:

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import math
 import re
-import xml.parsers.expat as expat
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from xml.parsers import expat
 
 import numpy as np
 
@@ -63,7 +63,9 @@ def check_bytes(data: bytes, file: str, max_bytes: int = MAX_BYTES) -> None:
     if not data.strip():
         raise RobotFileError("KS100", "the file is empty", place=Place(file))
     if len(data) > max_bytes:
-        raise RobotFileError("KS101", f"file is {len(data)} bytes; the limit is {max_bytes}", "pass max_bytes=...", Place(file))
+        raise RobotFileError(
+            "KS101", f"file is {len(data)} bytes; the limit is {max_bytes}", "pass max_bytes=...", Place(file)
+        )
     head = data[:512]
     if b"\x00" in head and b"<" in head:
         raise RobotFileError("KS105", "the file is not UTF-8 (it looks like UTF-16)", "save the file as UTF-8", Place(file))
@@ -91,7 +93,13 @@ def parse_xml(data: bytes, file: str, *, max_bytes: int = MAX_BYTES, max_depth: 
     except expat.ExpatError as failure:
         reason = expat.ErrorString(failure.code)
         cut = reason in ("unclosed token", "no element found")
-        hint = "the file seems cut off" if cut else "is this an XML file?" if failure.lineno == 1 and builder.root is None else ""
+        hint = (
+            "the file seems cut off"
+            if cut
+            else "is this an XML file?"
+            if failure.lineno == 1 and builder.root is None
+            else ""
+        )
         place = Place(file, failure.lineno, failure.offset + 1)
         code = "KS105" if reason == "not well-formed (invalid token)" and not _is_utf8(data) else "KS100"
         text = "the file is not UTF-8" if code == "KS105" else f"not well-formed XML: {reason}"
@@ -142,7 +150,9 @@ class _Builder:
         if len(self.open) >= self.max_depth:
             raise self.error("KS103", f"elements nested deeper than {self.max_depth}")
         for name, value in attributes.items():
-            if len(value) > MAX_ATTRIBUTE and not name.startswith(("vertex", "face", "point", "texcoord", "qpos", "qvel", "data")):
+            if len(value) > MAX_ATTRIBUTE and not name.startswith(
+                ("vertex", "face", "point", "texcoord", "qpos", "qvel", "data")
+            ):
                 raise self.error("KS104", f"attribute {name!r} is {len(value)} characters; the limit is {MAX_ATTRIBUTE}")
         place = Place(self.file, self.parser.CurrentLineNumber, self.parser.CurrentColumnNumber + 1)
         element = Element(tag, attributes, place)

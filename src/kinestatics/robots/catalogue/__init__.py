@@ -125,7 +125,9 @@ def _joint(row: dict[str, Any], convention: str, before: str, mount: Array, wher
     letter = row.get("type", "R")
     if convention == "screws":
         pitch = math.inf if letter == "P" else exact_number(row.get("pitch", 0.0))
-        screw = screw_axis([exact_number(x) for x in row["axis"]], [exact_number(x) for x in row.get("point", (0, 0, 0))], pitch)
+        screw = screw_axis(
+            [exact_number(x) for x in row["axis"]], [exact_number(x) for x in row.get("point", (0, 0, 0))], pitch
+        )
         placement = np.eye(4)
     else:
         numbers = [exact_number(row.get(word, 0.0)) for word in ("a", "alpha", "d", "theta")]
@@ -138,7 +140,9 @@ def _joint(row: dict[str, Any], convention: str, before: str, mount: Array, wher
 def _link(row: dict[str, Any]) -> LinkDescription:
     inertia = np.array(row.get("inertia", np.zeros((3, 3))), dtype=float)
     center = np.array([exact_number(x) for x in row.get("center_of_mass", (0.0, 0.0, 0.0))])
-    return LinkDescription(row["link"], float(row.get("mass", 0.0)), center, np.diag(inertia) if inertia.ndim == 1 else inertia)
+    return LinkDescription(
+        row["link"], float(row.get("mass", 0.0)), center, np.diag(inertia) if inertia.ndim == 1 else inertia
+    )
 
 
 def _pose(data: dict[str, Any]) -> Array:
