@@ -151,7 +151,7 @@ def test_joint_of_several_freedoms_is_read_from_behind(tmp_path):
         '<link name="world"/><joint name="free" type="floating"><parent link="world"/><child link="base"/></joint></robot>'
     )
     path.write_text(TREE.replace("</robot>", extra), encoding="utf-8")
-    with pytest.raises(ks.RobotFileError, match="KS140.*'free'"):
+    with pytest.raises(ks.RobotFileError, match=r"KS140.*'free'"):
         ks.load(path, tip="tool")
     assert ks.load(path, base="base", tip="tool").n == 2
 

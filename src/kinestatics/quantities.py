@@ -142,7 +142,7 @@ class Pose(_Frozen):
     def __str__(self) -> str:
         if self.array.ndim > 2:
             return repr(self)
-        rows = [[""] + [format_number(x) for x in row] for row in self.array[:-1]]
+        rows = [[""] + [format_number(x) for x in row] for row in _numeric(self.array)[:-1]]
         return f"pose of {self.link} seen from {self.seen_from} [m]\n" + _table(rows)
 
 
@@ -173,7 +173,7 @@ class _SixVector(_Frozen):
     def __str__(self) -> str:
         if self.array.ndim > 1:
             return f"{type(self).__name__} {tuple(self.array.shape)}, {self.frame}"
-        values = ", ".join(f"{name} {format_number(x)}" for name, x in zip(self._names, self.array, strict=True))
+        values = ", ".join(f"{name} {format_number(x)}" for name, x in zip(self._names, _numeric(self.array), strict=True))
         return f"{type(self).__name__} ({values}) [{self._units[0]}, {self._units[1]}], {self.frame}"
 
 
@@ -412,7 +412,7 @@ class Jacobian(JacobianMatrix):
         if self.array.ndim > 2:
             return f"{head}\nbatch of shape {self.shape}"
         rows = [["", *self.joint_names]]
-        rows += [[name, *(format_number(x) for x in row)] for name, row in zip(self.rows, self.array, strict=True)]
+        rows += [[name, *(format_number(x) for x in row)] for name, row in zip(self.rows, _numeric(self.array), strict=True)]
         return f"{head}\n{_table(rows)}"
 
 

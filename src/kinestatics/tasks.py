@@ -47,7 +47,7 @@ class Task:
 
 
 def characteristic_length(model: RobotModel, at: str = TIP) -> float:
-    """Reach of the chain to a link: the sum of the distances from one joint axis to the next and to the tip, at least 1e-9 [m].
+    """Reach of the chain to a link: the sum of the distances from joint axis to joint axis and to the tip [m].
 
     It turns radians into metres where the two are compared (ranks, condition numbers); every result that uses it shows it.
     A prismatic joint with limits adds the middle of its range.
@@ -68,6 +68,8 @@ def characteristic_length(model: RobotModel, at: str = TIP) -> float:
     poses = definition.joint_poses(model, array, xp)
     points = [poses.p[joint] + poses.R[joint] @ _axis_point(model.screws[joint]) for joint in path]
     _, end = definition.link_pose(model, poses, model.link(at), array, xp)
+    if not points:
+        return 1e-9
     hops = [float(np.linalg.norm(b - a)) for a, b in zip(points, [*points[1:], end], strict=True)]
     return max(sum(hops), 1e-9)
 

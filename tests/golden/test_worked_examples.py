@@ -178,9 +178,10 @@ def test_first_body_jacobian_of_note_003_is_the_right_one():
 def test_every_pose_jacobian_velocity_and_acceleration_is_covered():
     """The kinematic examples are all computed above; the rest belongs to inverse problems, measures and singular sets."""
     elsewhere = {
-        "000.planar.sing", "000.planar.rank", "000.planar.mu", "000.planar.null_JT", "000.spherical.sing",
-        "000.spherical.tau", "000.spherical.ellipsoid", "000.pinv", "002.power", "002.wrench_transform", "002.spatial_jacobian_formula",
-        "002.body_jacobian_formula", "003.Jbar", "003.AdgInv", "004.boundary", "004.near_rad", "004.near_tan", "004.sing_J",
-        "004.leg_straight",
+        "000.planar.sing", "000.planar.rank", "000.planar.mu", "000.planar.null_JT",
+        "000.spherical.sing", "000.spherical.tau", "000.spherical.ellipsoid", "000.pinv",
+        "002.power", "002.wrench_transform", "002.spatial_jacobian_formula", "002.body_jacobian_formula",
+        "003.Jbar", "003.AdgInv", "004.boundary", "004.near_rad",
+        "004.near_tan", "004.sing_J", "004.leg_straight",
     }  # fmt: skip
     assert set(EXAMPLES) - set(COMPUTED) == elsewhere

@@ -84,6 +84,7 @@ KS_INLINE void sincos_small(V x, Quarter quarter, V &sine, V &cosine) {
 #ifdef KS_FUSED
   V r = fnma_(k, broadcast(1.5707963267948966), x);
   r = fnma_(k, broadcast(6.123233995736766e-17), r);
+  r = fnma_(k, broadcast(-1.4973849048591833e-33), r);  // matters where x is the double nearest to a multiple of pi/2
 #else  // three parts short enough for exact products
   V r = x - k * 1.57079632673412561417e+00;
   r = r - k * 6.07710050630396597660e-11;

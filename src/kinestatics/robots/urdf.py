@@ -86,7 +86,7 @@ def _origin(element: Element, what: str) -> Array:
 
 def _named(element: Element, what: str, findings: list[Finding]) -> str:
     name = required(element, "name", what)
-    if (sentence := check_name(name, what, element.place)) is not None:
+    if (sentence := check_name(name, what)) is not None:
         findings.append(Finding("KS123", sentence, element.place))
     return name
 

@@ -213,7 +213,7 @@ def read_vector(text: str, size: int, what: str, place: Place) -> Array:
     return np.array(values)
 
 
-def check_name(name: str, what: str, place: Place) -> str | None:
+def check_name(name: str, what: str) -> str | None:
     """A sentence about control characters or markup in a name, or None."""
     if any(not c.isprintable() or c in "<>&" for c in name):
         return f"{what} name {name!r} holds control characters or markup; it is shown escaped"

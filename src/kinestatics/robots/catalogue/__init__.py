@@ -132,7 +132,9 @@ def _joint(row: dict[str, Any], convention: str, before: str, mount: Array, wher
     else:
         numbers = [exact_number(row.get(word, 0.0)) for word in ("a", "alpha", "d", "theta")]
         placement, screw = dh_joint(numbers, letter, convention, where)
-    limits = {word: exact_number(row[word]) for word in ("lower", "upper", "velocity", "effort", "home") if word in row}
+    limits: dict[str, Any] = {
+        word: exact_number(row[word]) for word in ("lower", "upper", "velocity", "effort", "home") if word in row
+    }
     kind = "prismatic" if letter == "P" else "revolute" if "lower" in limits else "continuous"
     return JointDescription(row["name"], kind, before, row["link"], mount @ placement, screw, **limits)
 
