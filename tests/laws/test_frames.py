@@ -70,6 +70,6 @@ def test_a_wrench_in_another_frame_is_refused_with_the_remedy():
     """Mixing frames is an error that names both and says what to do."""
     arm = ks.load("ur5e")
     J = ks.jacobian(arm, arm.home)
-    with pytest.raises(ks.FrameMismatchError, match="KS330.*tool0") as caught:
+    with pytest.raises(ks.FrameMismatchError, match=r"KS330.*tool0") as caught:
         ks.joint_torques(J, ks.Wrench.on_robot(force=(0, 0, 1), frame=ks.Frame.body()))
     assert "change_frame" in caught.value.hint
