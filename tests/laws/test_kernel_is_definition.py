@@ -1,4 +1,4 @@
-"""The kernels repeat the definition: each quantity, instruction set, frame, batch size, mimic, tree, direction of gravity."""
+"""The kernels repeat the definition: each quantity, instruction set, frame, batch size, mimic, tree, gravity direction."""
 
 import numpy as np
 import pytest

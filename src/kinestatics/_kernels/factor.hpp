@@ -84,9 +84,11 @@ KS_INLINE void triangle(V *A, const Sides &s, V (*D)[6]) {
   }
 }
 // One-sided Jacobi (Hestenes 1958) on K vectors of K entries: turn pairs until all are at right angles; their lengths are
-// the singular values, small ones with small error.
+// the singular values, small ones with small error. A lane that is done stands still while its neighbours go on, so that
+// a configuration's bits do not depend on which others share its block.
 template <int K>
 KS_INLINE void orthogonalize(V (*D)[6]) {
+  VInt active = ~VInt{};
   for (int sweep_count = 0; sweep_count < 16; sweep_count++) {
     V squares[K];
     VInt busy{};
@@ -97,13 +99,13 @@ KS_INLINE void orthogonalize(V (*D)[6]) {
 #pragma GCC unroll 1
       for (int r = p + 1; r < K; r++) {
         const V g = dot(D[p], D[r], K), a = squares[p], b = squares[r], product = a * b, g2 = g * g;
-        const VInt turn = g2 > product * 1e-32;
+        const VInt turn = (g2 > product * 1e-32) & active;
         busy |= g2 > product * 1e-16;
         const V difference = b - a, twice = 2.0 * g;
         const V reach = absolute(difference) + square_root(fma_(difference, difference, twice * twice));
         V t = with_sign_of(twice, difference) / select(reach > 0, reach, broadcast(1));
         t = select(turn, t, broadcast(0));
-        const V cosine = reciprocal_root(fma_(t, t, broadcast(1))), sine = cosine * t;
+        const V cosine = select(turn, reciprocal_root(fma_(t, t, broadcast(1))), broadcast(1)), sine = cosine * t;
         squares[p] = fnma_(t, g, a);
         squares[r] = fma_(t, g, b);
         KS_UNROLL
@@ -113,7 +115,8 @@ KS_INLINE void orthogonalize(V (*D)[6]) {
           D[r][i] = fma_(sine, x, cosine * y);
         }
       }
-    if (!any(busy)) return;
+    active &= busy;
+    if (!any(active)) return;
   }
 }
 KS_INLINE void orthogonalize(V (*D)[6], int count) {
