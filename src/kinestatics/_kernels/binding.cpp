@@ -25,10 +25,15 @@ Pool pool;
 const Kernels *kernels = nullptr;
 thread_local Scratch scratch;
 
+// A program's memory: its joints, and their turns side by side.
+struct Joints {
+  std::vector<Joint> all;
+  std::vector<double> turns;
+};
 struct Chain {
   PyObject_HEAD
   Program chain, tree;
-  std::vector<Joint> *chain_joints, *tree_joints;
+  Joints *chain_joints, *tree_joints;
 };
 
 // kinestatics.errors.<type>(code, message, hint)
@@ -64,8 +69,23 @@ PyArrayObject *as_input(PyObject *o, const char *what) {
 }
 bool is_single_precision(PyObject *o) { return PyArray_Check(o) && PyArray_TYPE((PyArrayObject *)o) == NPY_FLOAT; }
 
+// The name of an argument, and the string object that callers' bytecode shares with us.
+struct Word {
+  const char *text;
+  PyObject *interned;
+};
+int find(PyObject *word, Word *names, int count) {
+  for (int i = 0; i < count; i++)
+    if (word == names[i].interned) return i;
+  for (int i = 0; i < count; i++)
+    if (!PyUnicode_CompareWithASCIIString(word, names[i].text)) {
+      if (!names[i].interned && !(names[i].interned = PyUnicode_InternFromString(names[i].text))) PyErr_Clear();
+      return i;
+    }
+  return count;
+}
 // Arguments by position or keyword into `values` (borrowed), in the order of `names`.
-bool parse(const char *method, const char *const *names, int count, int required, PyObject *const *args, Py_ssize_t given,
+bool parse(const char *method, Word *names, int count, int required, PyObject *const *args, Py_ssize_t given,
            PyObject *keywords, PyObject **values) {
   for (int i = 0; i < count; i++) values[i] = i < given ? args[i] : nullptr;
   if (given > count) {
@@ -75,8 +95,7 @@ bool parse(const char *method, const char *const *names, int count, int required
   const Py_ssize_t extra = keywords ? PyTuple_Size(keywords) : 0;
   for (Py_ssize_t k = 0; k < extra; k++) {
     PyObject *word = PyTuple_GetItem(keywords, k);
-    int i = 0;
-    while (i < count && PyUnicode_CompareWithASCIIString(word, names[i])) i++;
+    const int i = find(word, names, count);
     if (i == count || values[i]) {
       PyErr_Format(PyExc_TypeError, "%s() got an unexpected or repeated argument '%U'", method, word);
       return false;
@@ -85,7 +104,7 @@ bool parse(const char *method, const char *const *names, int count, int required
   }
   for (int i = 0; i < required; i++)
     if (!values[i]) {
-      PyErr_Format(PyExc_TypeError, "%s() needs the argument '%s'", method, names[i]);
+      PyErr_Format(PyExc_TypeError, "%s() needs the argument '%s'", method, names[i].text);
       return false;
     }
   for (int i = required; i < count; i++)
@@ -286,7 +305,7 @@ finish:
 }
 
 #define KS_METHOD(name) PyObject *name(Chain *self, PyObject *const *args, Py_ssize_t given, PyObject *keywords)
-const char *const PLAIN[] = {"q", "out", "threads"};
+Word PLAIN[] = {{"q", nullptr}, {"out", nullptr}, {"threads", nullptr}};
 
 KS_METHOD(chain_jacobian) {
   PyObject *v[3];
@@ -310,7 +329,7 @@ KS_METHOD(chain_pose) {
                  });
 }
 KS_METHOD(chain_jacobian_rate) {
-  static const char *const names[] = {"q", "qd", "out", "threads"};
+  static Word names[] = {{"q", nullptr}, {"qd", nullptr}, {"out", nullptr}, {"threads", nullptr}};
   PyObject *v[4];
   if (!parse("jacobian_rate", names, 4, 2, args, given, keywords, v)) return nullptr;
   const Program *c = &self->chain;
@@ -341,7 +360,7 @@ KS_METHOD(chain_gravity_torques) {
                  });
 }
 KS_METHOD(chain_joint_torques) {
-  static const char *const names[] = {"q", "wrench", "out", "threads"};
+  static Word names[] = {{"q", nullptr}, {"wrench", nullptr}, {"out", nullptr}, {"threads", nullptr}};
   PyObject *v[4];
   if (!parse("joint_torques", names, 4, 2, args, given, keywords, v)) return nullptr;
   const Program *c = &self->chain;
@@ -371,7 +390,7 @@ KS_METHOD(chain_singular_values) {
                  });
 }
 KS_METHOD(chain_damped_rates) {
-  static const char *const names[] = {"q", "twist", "damping", "out", "threads"};
+  static Word names[] = {{"q", nullptr}, {"twist", nullptr}, {"damping", nullptr}, {"out", nullptr}, {"threads", nullptr}};
   PyObject *v[5];
   if (!parse("damped_rates", names, 5, 3, args, given, keywords, v)) return nullptr;
   const double damping = PyFloat_AsDouble(v[2]);
@@ -389,16 +408,22 @@ KS_METHOD(chain_damped_rates) {
 }
 
 // Joints from the bytes of program.py's structured array, checked: an index out of range must never reach the kernels.
-std::vector<Joint> *read_joints(const Py_buffer &bytes, int columns) {
+Joints *read_joints(const Py_buffer &bytes, int columns) {
   if (bytes.len % (Py_ssize_t)sizeof(Joint)) {
     PyErr_SetString(PyExc_ValueError, "joints: not a whole number of Joint structures");
     return nullptr;
   }
   const size_t count = bytes.len / sizeof(Joint);
-  auto *joints = new std::vector<Joint>(count);
-  if (count) std::memcpy(joints->data(), bytes.buf, bytes.len);
+  const size_t padded = (count + 7) / 8 * 8;
+  auto *joints = new Joints{std::vector<Joint>(count), std::vector<double>(3 * padded)};
+  if (count) std::memcpy(joints->all.data(), bytes.buf, bytes.len);
   for (size_t i = 0; i < count; i++) {
-    const Joint &j = (*joints)[i];
+    Joint &j = joints->all[i];
+    j.plain = j.kind == REVOLUTE && j.scale == 1.0 && !j.add;
+    j.rounder = ROUND_TO_WHOLE + j.quarter;
+    joints->turns[i] = j.kind == PRISMATIC ? 0 : j.scale;
+    joints->turns[padded + i] = j.kind == PRISMATIC ? 0 : j.offset;
+    joints->turns[2 * padded + i] = j.rounder;
     if (j.column < 0 || j.column >= columns || j.parent >= (int)i || j.parent < -1 || j.kind < 0 || j.kind > HELICAL) {
       delete joints;
       PyErr_SetString(PyExc_ValueError, "joints: index out of range");
@@ -407,9 +432,18 @@ std::vector<Joint> *read_joints(const Py_buffer &bytes, int columns) {
   }
   return joints;
 }
-void finish_program(Program &p, const std::vector<Joint> &joints) {
+void finish_program(Program &p, const Joints &memory) {
+  const std::vector<Joint> &joints = memory.all;
+  const double *turns = memory.turns.data();
+  const size_t padded = memory.turns.size() / 3;
   p.joints = (int)joints.size();
   p.joint = joints.data();
+  p.turns = {turns, turns + padded, turns + 2 * padded, true};
+  p.slides = false;
+  for (size_t i = 0; i < joints.size(); i++) {
+    if (joints[i].column != (int)i) p.turns.in_order = false;
+    if (joints[i].kind == PRISMATIC) p.slides = true;
+  }
   std::vector<char> used(p.columns, 0);
   p.gathers_columns = p.vertical = false;
   for (const Joint &j : joints) {
@@ -428,7 +462,7 @@ int chain_init(Chain *self, PyObject *args, PyObject *) {
   if (!PyArg_ParseTuple(args, "y*y*ippy*dy*", &chain, &tree, &columns, &origin_at_base, &axes_of_target, &tail, &gravity, &rows))
     return -1;
   int status = -1;
-  std::vector<Joint> *chain_joints = nullptr, *tree_joints = nullptr;
+  Joints *chain_joints = nullptr, *tree_joints = nullptr;
   const int row_count = (int)(rows.len / sizeof(int));
   bool good = columns >= 0 && tail.len == 12 * sizeof(double) && row_count <= 6;
   for (int i = 0; good && i < row_count; i++) good = ((const int *)rows.buf)[i] >= 0 && ((const int *)rows.buf)[i] < 6;

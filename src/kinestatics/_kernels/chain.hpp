@@ -80,12 +80,16 @@ KS_INLINE void step_moving(const Joint &j, V sine, V cosine, V q, Frame &f) {
 }
 KS_INLINE V angle_of(const Joint &j, V q) { return fma_(j.scale, q, broadcast(j.offset)); }
 
-// Scratch arrays of one block of LANES configurations, carved from one aligned buffer.
+// What a block of LANES configurations knows of one joint; v and w are free for each quantity's own use.
+struct State {
+  V sine, cosine;
+  Vec axis, origin, v, w;
+};
+// Scratch arrays of one block, carved from one aligned buffer.
 struct Block {
-  V *entries;   // rows on their way out (or in)
-  V *q, *second;
-  V *sine, *cosine;
-  Vec *axis, *origin, *v, *w, *extra;
+  V *entries;  // rows on their way out
+  V *q, *second, *result;
+  State *at;
 };
 static inline size_t round_up(size_t n) { return (n + LANES - 1) / LANES * LANES; }
 static inline size_t entries_size(const Program &c) {
@@ -94,44 +98,57 @@ static inline size_t entries_size(const Program &c) {
   return round_up(largest) + LANES;
 }
 static inline size_t per_joint(const Program &c) { return round_up(c.joints > c.columns ? c.joints : c.columns) + LANES; }
-static inline size_t block_size(const Program &c) { return (entries_size(c) + (4 + 15) * per_joint(c)) * LANES; }
+static constexpr size_t STATE_SIZE = sizeof(State) / sizeof(V);
+static inline size_t block_size(const Program &c) { return (entries_size(c) + (3 + STATE_SIZE) * per_joint(c)) * LANES; }
 KS_INLINE Block carve(const Program &c, double *scratch) {
   const size_t n = per_joint(c);
   V *at = (V *)scratch;
   Block b;
-  b.q = at, b.second = at + n, b.sine = at + 2 * n, b.cosine = at + 3 * n;
-  b.axis = (Vec *)(at + 4 * n), b.origin = b.axis + n, b.v = b.origin + n, b.w = b.v + n, b.extra = b.w + n;
-  b.entries = at + 19 * n;
+  b.q = at, b.second = at + n, b.result = at + 2 * n;
+  b.at = (State *)(at + 3 * n);
+  b.entries = at + (3 + STATE_SIZE) * n;
   return b;
 }
 
-KS_INLINE void all_sines(const Program &c, const V *q, V *sine, V *cosine) {
-  VInt large{};
-  for (int i = 0; i < c.joints; i++) {
-    const Joint &j = c.joint[i];
-    if (j.kind == kinestatics::PRISMATIC) {
-      sine[i] = broadcast(j.sine), cosine[i] = broadcast(j.cosine);
-      continue;
-    }
-    const V angle = angle_of(j, q[j.column]);
-    large |= is_large(angle);
-    sincos_small(angle, j.quarter, sine[i], cosine[i]);
+template <int M>
+KS_INLINE void some_sines(const Joint *joint, const V *q, State *at, VInt &large) {
+  V x[M], rounder[M], sine[M], cosine[M];
+  KS_UNROLL
+  for (int m = 0; m < M; m++) {
+    const Joint &j = joint[m];
+    x[m] = j.kind == kinestatics::PRISMATIC ? broadcast(0) : angle_of(j, q[j.column]);
+    rounder[m] = broadcast(j.rounder);
+    large |= is_large(x[m]);
   }
-  if (__builtin_expect(any(large), 0))
-    for (int i = 0; i < c.joints; i++)
-      if (c.joint[i].kind != kinestatics::PRISMATIC)
-        sincos(angle_of(c.joint[i], q[c.joint[i].column]), c.joint[i].quarter, sine[i], cosine[i]);
+  sincos_small<M>(x, rounder, sine, cosine);
+  KS_UNROLL
+  for (int m = 0; m < M; m++) {
+    const Joint &j = joint[m];
+    if (j.kind == kinestatics::PRISMATIC) at[m].sine = broadcast(j.sine), at[m].cosine = broadcast(j.cosine);
+    else at[m].sine = sine[m], at[m].cosine = cosine[m];
+  }
 }
-// From q (by column) to the axis and origin of every joint of a chain, and the frame behind the last.
+KS_INLINE void all_sines(const Program &c, const V *q, State *at) {
+  VInt large{};
+  int i = 0;
+  for (; i + 3 <= c.joints; i += 3) some_sines<3>(c.joint + i, q, at + i, large);
+  for (; i < c.joints; i++) some_sines<1>(c.joint + i, q, at + i, large);
+  if (__builtin_expect(any(large), 0))
+    for (i = 0; i < c.joints; i++)
+      if (c.joint[i].kind != kinestatics::PRISMATIC)
+        sincos(angle_of(c.joint[i], q[c.joint[i].column]), c.joint[i].quarter, at[i].sine, at[i].cosine);
+}
+// From q (by column) to the frame behind the last joint of a chain; keeps the axis and origin of every joint on the way.
+template <bool KEEP = true>
 KS_INLINE Frame forward(const Program &c, const V *q, Block &b) {
   if (c.joints == 0) return base_frame();
-  all_sines(c, q, b.sine, b.cosine);
+  all_sines(c, q, b.at);
   Frame f = first_frame(c.joint[0]);
   for (int i = 0; i < c.joints; i++) {
     const Joint &j = c.joint[i];
     if (i) step_fixed(j, f);
-    step_moving(j, b.sine[i], b.cosine[i], q[j.column], f);
-    b.axis[i] = f.Z, b.origin[i] = f.p;
+    step_moving(j, b.at[i].sine, b.at[i].cosine, q[j.column], f);
+    if (KEEP) b.at[i].axis = f.Z, b.at[i].origin = f.p;
   }
   return f;
 }
@@ -152,6 +169,10 @@ KS_INLINE Vec into_axes(const Frame &f, Vec a) { return {dot(f.X, a), dot(f.Y, a
 
 // Twist per unit rate of a joint's own coordinate, base axes, at the point `at` (scale included).
 KS_INLINE void twist_of(const Joint &j, Vec axis, Vec origin, Vec at, Vec &v, Vec &w) {
+  if (j.plain) {
+    v = cross(axis, at - origin), w = axis;
+    return;
+  }
   if (j.kind == kinestatics::PRISMATIC) {
     v = scaled(axis, j.lift);
     w = scaled(axis, 0);
@@ -163,15 +184,16 @@ KS_INLINE void twist_of(const Joint &j, Vec axis, Vec origin, Vec at, Vec &v, Ve
   if (j.kind == kinestatics::HELICAL) v = add_scaled(v, j.lift, axis);
 }
 // Into entries[row * stride + column]; joints that share a column (mimic) are added up.
-KS_INLINE void put(V *entries, int stride, const Joint &j, Vec v, Vec w) {
-  V *e = entries + j.column;
-  const V six[6] = {v.x, v.y, v.z, w.x, w.y, w.z};
+KS_INLINE void store_three(V *e, ptrdiff_t stride, Vec a) { e[0] = a.x, e[stride] = a.y, e[2 * stride] = a.z; }
+KS_INLINE void put(V *entries, ptrdiff_t stride, const Joint &j, Vec v, Vec w) {
+  V *linear = entries + j.column, *angular = linear + 3 * stride;
   if (__builtin_expect(j.add, 0)) {
-    for (int r = 0; r < 6; r++) e[r * stride] += six[r];
-  } else {
-    KS_UNROLL
-    for (int r = 0; r < 6; r++) e[r * stride] = six[r];
+    linear[0] += v.x, linear[stride] += v.y, linear[2 * stride] += v.z;
+    angular[0] += w.x, angular[stride] += w.y, angular[2 * stride] += w.z;
+    return;
   }
+  store_three(linear, stride, v);
+  store_three(angular, stride, w);
 }
 KS_INLINE void jacobian_block(const Program &c, const V *q, Block &b) {
   const Frame f = forward(c, q, b);
@@ -179,8 +201,16 @@ KS_INLINE void jacobian_block(const Program &c, const V *q, Block &b) {
   const Vec at = c.origin_at_base ? Vec{zero, zero, zero} : tail_point(c, f);
   if (!c.axes_of_target) {
     for (int i = 0; i < c.joints; i++) {
+      const Joint &j = c.joint[i];
+      const Vec axis = b.at[i].axis, arm = at - b.at[i].origin;
+      if (__builtin_expect(j.plain, 1)) {
+        V *linear = b.entries + j.column, *angular = linear + 3 * (ptrdiff_t)c.columns;
+        store_three(linear, c.columns, cross(axis, arm));
+        store_three(angular, c.columns, axis);
+        continue;
+      }
       Vec v, w;
-      twist_of(c.joint[i], b.axis[i], b.origin[i], at, v, w);
+      twist_of(c.joint[i], b.at[i].axis, b.at[i].origin, at, v, w);
       put(b.entries, c.columns, c.joint[i], v, w);
     }
     return;
@@ -188,7 +218,7 @@ KS_INLINE void jacobian_block(const Program &c, const V *q, Block &b) {
   const Frame t = tail(c, f);
   for (int i = 0; i < c.joints; i++) {
     Vec v, w;
-    twist_of(c.joint[i], b.axis[i], b.origin[i], at, v, w);
+    twist_of(c.joint[i], b.at[i].axis, b.at[i].origin, at, v, w);
     put(b.entries, c.columns, c.joint[i], into_axes(t, v), into_axes(t, w));
   }
 }

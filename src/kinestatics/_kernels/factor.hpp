@@ -13,6 +13,24 @@ KS_INLINE Sides sides(const Program &c) {
   const bool wide = c.row_count <= c.columns;
   return {wide ? c.row_count : c.columns, wide ? c.columns : c.row_count, wide};
 }
+// Calls f with the sizes as compile-time constants: six rows of arms of six and seven joints in full, for speed; for all
+// others the count alone (LENGTH 0: known at run time).
+template <int COUNT, int LENGTH>
+struct Sizes {
+  KS_INLINE_METHOD int length(const Sides &s) const { return LENGTH ? LENGTH : s.length; }
+};
+template <class F>
+KS_INLINE void with_sizes(const Sides &s, F f) {
+  switch (s.count) {
+    case 6: return s.length == 6 ? f(Sizes<6, 6>()) : s.length == 7 ? f(Sizes<6, 7>()) : f(Sizes<6, 0>());
+    case 5: return f(Sizes<5, 0>());
+    case 4: return f(Sizes<4, 0>());
+    case 3: return f(Sizes<3, 0>());
+    case 2: return f(Sizes<2, 0>());
+    case 1: return f(Sizes<1, 0>());
+    default: return;
+  }
+}
 KS_INLINE void select_rows(const Program &c, const Sides &s, const V *J, V *A) {
   for (int a = 0; a < s.count; a++)
     for (int i = 0; i < s.length; i++) A[a * s.length + i] = J[c.rows[s.wide ? a : i] * c.columns + (s.wide ? i : a)];
@@ -27,8 +45,9 @@ KS_INLINE void subtract(V *a, V factor, const V *b, int length) {
 }
 // Product of the lengths that remain when each vector has lost its part along those before (modified Gram-Schmidt):
 // absolute error a few units in the last place, where det(J Jt) would lose half the digits.
-template <int K>
-KS_INLINE V volume(V *A, int length) {
+template <int K, int LENGTH>
+KS_INLINE V volume(V *A, const Sides &s, Sizes<K, LENGTH> sizes) {
+  const int length = sizes.length(s);
   V product = broadcast(1);
   KS_UNROLL
   for (int r = 0; r < K; r++) {
@@ -37,103 +56,107 @@ KS_INLINE V volume(V *A, int length) {
     product *= square;
     const V inverse = 1.0 / select(square > 0, square, broadcast(1));
     KS_UNROLL
-    for (int s = r + 1; s < K; s++) subtract(A + s * length, dot(a, A + s * length, length) * inverse, a, length);
+    for (int t = r + 1; t < K; t++) subtract(A + t * length, dot(a, A + t * length, length) * inverse, a, length);
   }
   return square_root(product);
-}
-KS_INLINE V volume(V *A, const Sides &s) {
-  switch (s.count) {
-    case 6: return volume<6>(A, s.length);
-    case 5: return volume<5>(A, s.length);
-    case 4: return volume<4>(A, s.length);
-    case 3: return volume<3>(A, s.length);
-    case 2: return volume<2>(A, s.length);
-    case 1: return volume<1>(A, s.length);
-    default: return broadcast(1);  // the empty product
-  }
 }
 static void k_manipulability(const Program *cp, const double *q, ptrdiff_t n, double *out, double *scratch) {
   const Program &c = *cp;
   Block b = carve(c, scratch);
   const Sides s = sides(c);
-  V *A = b.entries + 6 * c.columns, *result = b.second;
+  V *A = b.entries + 6 * c.columns, *result = b.result;
   clear(b.entries, 6 * c.columns);
   const Input in[] = {{q, c.columns, b.q}};
   sweep(in, 1, n, result, 1, out, line_buffer(c, scratch), [&]() __attribute__((always_inline)) {
     jacobian_block(c, b.q, b);
     select_rows(c, s, b.entries, A);
-    result[0] = volume(A, s);
+    result[0] = broadcast(1);  // the empty product
+    with_sizes(s, [&](auto sizes) __attribute__((always_inline)) { result[0] = volume(A, s, sizes); });
   });
 }
 
 // R of a QR factorisation of the K vectors, as columns of a K x K matrix in D (D[column][row]).
-KS_INLINE void triangle(V *A, const Sides &s, V (*D)[6]) {
-  for (int r = 0; r < s.count; r++) {
-    V *a = A + r * s.length;
-    const V square = dot(a, a, s.length);
+template <int K, int LENGTH>
+KS_INLINE void triangle(V *A, const Sides &s, Sizes<K, LENGTH> sizes, V (*D)[6]) {
+  const int length = sizes.length(s);
+  for (int r = 0; r < K; r++) {
+    V *a = A + r * length;
+    const V square = dot(a, a, length);
     const VInt positive = square > 0;
     const V inverse = select(positive, reciprocal_root(select(positive, square, broadcast(1))), broadcast(0));
     D[r][r] = square * inverse;
-    for (int i = 0; i < s.length; i++) a[i] *= inverse;
-    for (int t = r + 1; t < s.count; t++) {
-      const V d = dot(a, A + t * s.length, s.length);
+    for (int i = 0; i < length; i++) a[i] *= inverse;
+    for (int t = r + 1; t < K; t++) {
+      const V d = dot(a, A + t * length, length);
       D[r][t] = d;
       D[t][r] = broadcast(0);
-      subtract(A + t * s.length, d, a, s.length);
+      subtract(A + t * length, d, a, length);
     }
   }
 }
+// The pairs of K vectors in rounds of disjoint ones (a round robin): within a round they do not wait for each other.
+template <int K>
+struct Rounds {
+  static constexpr int COUNT = K + K % 2 - 1, PAIRS = K / 2;
+  int first[COUNT][PAIRS] = {}, second[COUNT][PAIRS] = {};
+  constexpr Rounds() {
+    for (int r = 0; r < COUNT; r++) {
+      int m = 0;
+      if (K % 2 == 0) first[r][m] = r, second[r][m++] = COUNT;
+      for (int i = 1; 2 * i < COUNT; i++) first[r][m] = (r + i) % COUNT, second[r][m++] = (r + COUNT - i) % COUNT;
+    }
+  }
+};
 // One-sided Jacobi (Hestenes 1958) on K vectors of K entries: turn pairs until all are at right angles; their lengths are
 // the singular values, small ones with small error. A lane that is done stands still while its neighbours go on, so that
 // a configuration's bits do not depend on which others share its block.
-template <int K>
-KS_INLINE void orthogonalize(V (*D)[6]) {
+template <int LENGTH>
+KS_INLINE void orthogonalize(Sizes<1, LENGTH>, V (*)[6]) {}
+template <int K, int LENGTH>
+KS_INLINE void orthogonalize(Sizes<K, LENGTH>, V (*D)[6]) {
+  static constexpr Rounds<K> rounds;
+  constexpr int PAIRS = K / 2;
+  const V zero = broadcast(0), one = broadcast(1);
   VInt active = ~VInt{};
   for (int sweep_count = 0; sweep_count < 16; sweep_count++) {
     V squares[K];
     VInt busy{};
-    KS_UNROLL
     for (int p = 0; p < K; p++) squares[p] = dot(D[p], D[p], K);
-#pragma GCC unroll 1
-    for (int p = 0; p < K - 1; p++)
-#pragma GCC unroll 1
-      for (int r = p + 1; r < K; r++) {
-        const V g = dot(D[p], D[r], K), a = squares[p], b = squares[r], product = a * b, g2 = g * g;
+    for (int round = 0; round < rounds.COUNT; round++) {
+      V *x[PAIRS], *y[PAIRS], cosine[PAIRS], sine[PAIRS];
+      KS_UNROLL
+      for (int m = 0; m < PAIRS; m++) {
+        const int p = rounds.first[round][m], r = rounds.second[round][m];
+        x[m] = D[p], y[m] = D[r];
+        const V g = dot(x[m], y[m], K), a = squares[p], b = squares[r], product = a * b, g2 = g * g;
         const VInt turn = (g2 > product * 1e-32) & active;
         busy |= g2 > product * 1e-16;
         const V difference = b - a, twice = 2.0 * g;
         const V reach = absolute(difference) + square_root(fma_(difference, difference, twice * twice));
-        V t = with_sign_of(twice, difference) / select(reach > 0, reach, broadcast(1));
-        t = select(turn, t, broadcast(0));
-        const V cosine = select(turn, reciprocal_root(fma_(t, t, broadcast(1))), broadcast(1)), sine = cosine * t;
+        const V t = select(turn, with_sign_of(twice, difference) / select(reach > 0, reach, one), zero);
+        cosine[m] = select(turn, reciprocal_root(fma_(t, t, one)), one), sine[m] = cosine[m] * t;
         squares[p] = fnma_(t, g, a);
         squares[r] = fma_(t, g, b);
+      }
+      KS_UNROLL
+      for (int m = 0; m < PAIRS; m++) {
         KS_UNROLL
         for (int i = 0; i < K; i++) {
-          const V x = D[p][i], y = D[r][i];
-          D[p][i] = fnma_(sine, y, cosine * x);
-          D[r][i] = fma_(sine, x, cosine * y);
+          const V u = x[m][i], v = y[m][i];
+          x[m][i] = fnma_(sine[m], v, cosine[m] * u);
+          y[m][i] = fma_(sine[m], u, cosine[m] * v);
         }
       }
+    }
     active &= busy;
     if (!any(active)) return;
-  }
-}
-KS_INLINE void orthogonalize(V (*D)[6], int count) {
-  switch (count) {
-    case 6: return orthogonalize<6>(D);
-    case 5: return orthogonalize<5>(D);
-    case 4: return orthogonalize<4>(D);
-    case 3: return orthogonalize<3>(D);
-    case 2: return orthogonalize<2>(D);
-    default: return;
   }
 }
 static void k_singular_values(const Program *cp, const double *q, ptrdiff_t n, double *out, double *scratch) {
   const Program &c = *cp;
   Block b = carve(c, scratch);
   const Sides s = sides(c);
-  V *A = b.entries + 6 * c.columns, *sigma = b.second;
+  V *A = b.entries + 6 * c.columns, *sigma = b.result;
   clear(b.entries, 6 * c.columns);
   if (s.count == 0) return;
   const Input in[] = {{q, c.columns, b.q}};
@@ -141,8 +164,10 @@ static void k_singular_values(const Program *cp, const double *q, ptrdiff_t n, d
     V D[6][6];
     jacobian_block(c, b.q, b);
     select_rows(c, s, b.entries, A);
-    triangle(A, s, D);
-    orthogonalize(D, s.count);
+    with_sizes(s, [&](auto sizes) __attribute__((always_inline)) {
+      triangle(A, s, sizes, D);
+      orthogonalize(sizes, D);
+    });
     for (int p = 0; p < s.count; p++) sigma[p] = square_root(dot(D[p], D[p], s.count));
     for (int p = 1; p < s.count; p++)  // descending, by exchanges of neighbours
       for (int k = p; k > 0; k--) {
@@ -176,18 +201,21 @@ KS_INLINE void solve(V (*A)[6], V *y) {
     y[j] = sum * inverse[j];
   }
 }
-template <int K>
-KS_INLINE void damped_block(const Program &c, const Sides &s, const V *A, const V *twist, V damping2, V *rates) {
+template <int K, int LENGTH>
+KS_INLINE void damped_block(const Program &c, const Sides &s, Sizes<K, LENGTH> sizes, const V *A, const V *twist, V damping2,
+                            V *rates) {
+  const int length = sizes.length(s);
   V S[6][6], y[6];
   KS_UNROLL
   for (int r = 0; r < K; r++) {
-    for (int t = 0; t <= r; t++) S[r][t] = dot(A + r * s.length, A + t * s.length, s.length);
+    KS_UNROLL
+    for (int t = 0; t <= r; t++) S[r][t] = dot(A + r * length, A + t * length, length);
     S[r][r] += damping2;
     if (s.wide) {
       y[r] = twist[c.rows[r]];
     } else {
       y[r] = broadcast(0);
-      for (int i = 0; i < s.length; i++) y[r] = fma_(A[r * s.length + i], twist[c.rows[i]], y[r]);
+      for (int i = 0; i < length; i++) y[r] = fma_(A[r * length + i], twist[c.rows[i]], y[r]);
     }
   }
   solve<K>(S, y);
@@ -195,10 +223,10 @@ KS_INLINE void damped_block(const Program &c, const Sides &s, const V *A, const 
     for (int k = 0; k < K; k++) rates[k] = y[k];
     return;
   }
-  for (int k = 0; k < s.length; k++) {
+  for (int k = 0; k < length; k++) {
     V sum = A[k] * y[0];
     KS_UNROLL
-    for (int r = 1; r < K; r++) sum = fma_(A[r * s.length + k], y[r], sum);
+    for (int r = 1; r < K; r++) sum = fma_(A[r * length + k], y[r], sum);
     rates[k] = sum;
   }
 }
@@ -207,7 +235,7 @@ static void k_damped_rates(const Program *cp, const double *q, const double *twi
   const Program &c = *cp;
   Block b = carve(c, scratch);
   const Sides s = sides(c);
-  V *A = b.entries + 6 * c.columns, *rates = (V *)b.extra, lanes[8];
+  V *A = b.entries + 6 * c.columns, *rates = b.result, lanes[8];
   clear(b.entries, 6 * c.columns);
   clear(rates, c.columns);
   const V damping2 = broadcast(damping * damping);
@@ -215,15 +243,7 @@ static void k_damped_rates(const Program *cp, const double *q, const double *twi
   sweep(in, 2, n, rates, c.columns, out, line_buffer(c, scratch), [&]() __attribute__((always_inline)) {
     jacobian_block(c, b.q, b);
     select_rows(c, s, b.entries, A);
-    switch (s.count) {
-      case 6: return damped_block<6>(c, s, A, lanes, damping2, rates);
-      case 5: return damped_block<5>(c, s, A, lanes, damping2, rates);
-      case 4: return damped_block<4>(c, s, A, lanes, damping2, rates);
-      case 3: return damped_block<3>(c, s, A, lanes, damping2, rates);
-      case 2: return damped_block<2>(c, s, A, lanes, damping2, rates);
-      case 1: return damped_block<1>(c, s, A, lanes, damping2, rates);
-      default: return;
-    }
+    with_sizes(s, [&](auto sizes) __attribute__((always_inline)) { damped_block(c, s, sizes, A, lanes, damping2, rates); });
   });
 }
 

@@ -9,9 +9,12 @@
 #include <arm_neon.h>
 #endif
 
+#include "program.hpp"
+
 namespace {  // every instruction set has its own copy: nothing here may be shared by the linker
 
 #define KS_INLINE static inline __attribute__((always_inline))
+#define KS_INLINE_METHOD inline __attribute__((always_inline))
 #ifdef __clang__
 #define KS_UNROLL _Pragma("unroll")
 #else
@@ -61,47 +64,75 @@ KS_INLINE bool any(VInt mask) { return (mask[0] | mask[1]) != 0; }
 #if LANES > 2
 #define KS_FUSED 1
 #endif
+// (a, b) where k is even, (b, a) where it is odd.
+KS_INLINE void exchange_where_odd(VInt k, V a, V b, V &first, V &second) {
+#if LANES == 8
+  const __mmask8 odd = _mm512_test_epi64_mask((__m512i)k, _mm512_set1_epi64(1));
+  first = (V)_mm512_mask_blend_pd(odd, (__m512d)a, (__m512d)b);
+  second = (V)_mm512_mask_blend_pd(odd, (__m512d)b, (__m512d)a);
+#elif LANES == 4
+  const __m256d odd = (__m256d)(k << 63);  // the sign bit decides
+  first = (V)_mm256_blendv_pd((__m256d)a, (__m256d)b, odd);
+  second = (V)_mm256_blendv_pd((__m256d)b, (__m256d)a, odd);
+#else
+  const VInt odd = -(k & 1);
+  first = select(odd, b, a), second = select(odd, a, b);
+#endif
+}
 KS_INLINE V fma_(double a, V b, V c) { return fma_(broadcast(a), b, c); }
 KS_INLINE V fnma_(double a, V b, V c) { return fnma_(broadcast(a), b, c); }
 
 // Beyond this the reduction below loses digits (and the quadrant no longer fits): those lanes go to the C library.
 static constexpr double LARGE_ANGLE = 1e5;
 
-KS_INLINE V horner(V z, const double *c, int n) {
-  V p = broadcast(c[0]);
-  KS_UNROLL
-  for (int i = 1; i < n; i++) p = fma_(p, z, broadcast(c[i]));
-  return p;
-}
 // sin(x + quarter * 90 degrees) and cos likewise, for |x| <= LARGE_ANGLE: reduction to |r| <= pi/4 after Cody and Waite,
-// minimax polynomials of fdlibm (Sun Microsystems, 1993). At most 2 units in the last place.
-template <class Quarter>
-KS_INLINE void sincos_small(V x, Quarter quarter, V &sine, V &cosine) {
-  const double ROUND = 6755399441055744.0;  // 1.5 * 2^52: adding it rounds to a whole number, kept in the low bits
-  const V shifted = fma_(x, broadcast(0.63661977236758134308), broadcast(ROUND));
-  const VInt quadrant = (VInt)shifted + quarter;
-  const V k = shifted - ROUND;
-#ifdef KS_FUSED
-  V r = fnma_(k, broadcast(1.5707963267948966), x);
-  r = fnma_(k, broadcast(6.123233995736766e-17), r);
-  r = fnma_(k, broadcast(-1.4973849048591833e-33), r);  // matters where x is the double nearest to a multiple of pi/2
-#else  // three parts short enough for exact products
-  V r = x - k * 1.57079632673412561417e+00;
-  r = r - k * 6.07710050630396597660e-11;
-  r = r - k * 2.02226624879595063154e-21;
-#endif
+// minimax polynomials of fdlibm (Sun Microsystems, 1993). At most 2 units in the last place. `rounder` is ROUND_TO_WHOLE +
+// quarter. M vectors go side by side, step by step: one alone would spend its time waiting for its own last result.
+#define KS_EACH KS_UNROLL for (int m = 0; m < M; m++)
+template <int M>
+KS_INLINE void horner(const V *z, const double *c, int n, V *p) {
+  KS_EACH p[m] = broadcast(c[0]);
+  KS_UNROLL
+  for (int i = 1; i < n; i++) {
+    const V next = broadcast(c[i]);
+    KS_EACH p[m] = fma_(p[m], z[m], next);
+  }
+}
+template <int M>
+KS_INLINE void sincos_small(const V *x, const V *rounder, V *sine, V *cosine) {
   static const double S[] = {1.58969099521155010221e-10, -2.50507602534068634195e-08, 2.75573137070700676789e-06,
                              -1.98412698298579493134e-04, 8.33333333332248946124e-03, -1.66666666666666324348e-01};
   static const double C[] = {-1.13596475577881948265e-11, 2.08757232129817482790e-09, -2.75573143513906633035e-07,
                              2.48015872894767294178e-05, -1.38888888888741095749e-03, 4.16666666666666019037e-02};
-  const V z = r * r;
-  const V s = fma_(r * z, horner(z, S, 6), r);
-  const V c = fma_(z * z, horner(z, C, 6), fnma_(broadcast(0.5), z, broadcast(1.0)));
-  const VInt odd = -(quadrant & 1);  // all ones where sine and cosine change places
-  const VInt si = (VInt)s, ci = (VInt)c;
-  sine = (V)(((si & ~odd) | (ci & odd)) ^ ((quadrant & 2) << 62));
-  cosine = (V)(((ci & ~odd) | (si & odd)) ^ (((quadrant + 1) & 2) << 62));
+  VInt quadrant[M];
+  V r[M], z[M], s[M], c[M];
+  KS_EACH {
+    const V shifted = fma_(x[m], broadcast(0.63661977236758134308), rounder[m]);
+    quadrant[m] = (VInt)shifted;
+    c[m] = shifted - rounder[m];
+  }
+#ifdef KS_FUSED
+  KS_EACH r[m] = fnma_(c[m], broadcast(1.5707963267948966), x[m]);
+  KS_EACH r[m] = fnma_(c[m], broadcast(6.123233995736766e-17), r[m]);
+  KS_EACH r[m] = fnma_(c[m], broadcast(-1.4973849048591833e-33), r[m]);  // matters near multiples of pi/2
+#else  // three parts short enough for exact products
+  KS_EACH r[m] = x[m] - c[m] * 1.57079632673412561417e+00;
+  KS_EACH r[m] = r[m] - c[m] * 6.07710050630396597660e-11;
+  KS_EACH r[m] = r[m] - c[m] * 2.02226624879595063154e-21;
+#endif
+  KS_EACH z[m] = r[m] * r[m];
+  horner<M>(z, S, 6, s);
+  KS_EACH s[m] = fma_(r[m] * z[m], s[m], r[m]);
+  horner<M>(z, C, 6, c);
+  KS_EACH c[m] = fma_(z[m] * z[m], c[m], fnma_(broadcast(0.5), z[m], broadcast(1.0)));
+  KS_EACH {
+    V first, second;  // sine and cosine change places in the odd quadrants
+    exchange_where_odd(quadrant[m], s[m], c[m], first, second);
+    sine[m] = (V)((VInt)first ^ ((quadrant[m] & 2) << 62));
+    cosine[m] = (V)((VInt)second ^ (((quadrant[m] + 1) & 2) << 62));
+  }
 }
+#undef KS_EACH
 KS_INLINE VInt is_large(V x) { return ~(absolute(x) <= LARGE_ANGLE); }  // true for NaN and infinity too
 
 static __attribute__((noinline, cold)) void sincos_large(const double *x, long long quarter, double *sine, double *cosine) {
@@ -114,7 +145,8 @@ static __attribute__((noinline, cold)) void sincos_large(const double *x, long l
   }
 }
 KS_INLINE void sincos(V x, long long quarter, V &sine, V &cosine) {
-  sincos_small(x, quarter, sine, cosine);
+  const V rounder = broadcast(kinestatics::ROUND_TO_WHOLE + (double)quarter);
+  sincos_small<1>(&x, &rounder, &sine, &cosine);
   if (__builtin_expect(any(is_large(x)), 0)) {
     double from[LANES], s[LANES], c[LANES];
     store(from, x), store(s, sine), store(c, cosine);

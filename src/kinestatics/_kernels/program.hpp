@@ -12,15 +12,27 @@ enum Kind : int { REVOLUTE = 0, PRISMATIC = 1, HELICAL = 2 };
 // A joint in canonical form. Its axis is z. Seen from the frame behind the joint before, the fixed part is a translation
 // p and then a turn; then the joint turns about z by scale * q + offset + quarter * 90 degrees and moves along z by
 // lift * q + lift0 (a prismatic joint turns by the constant cosine, sine instead).
+
+// Adding 1.5 * 2^52 rounds a double to a whole number, which then stands in its low bits.
+static constexpr double ROUND_TO_WHOLE = 6755399441055744.0;
+
 struct Joint {
   int turn, shift_mask, kind, quarter;
   int column, parent;
   int add;       // an earlier joint of the program has this column too
   int branches;  // some later joint starts here although another joint comes between
+  int plain;     // revolute, scale 1, the only joint of its column; filled by the binding
   double ca, sa, p[3];
   double scale, offset, lift, lift0, cosine, sine;
   double matrix[9];
   double mass, subtree_mass, moment[3];  // moment: mass * centre of mass in the frame behind the joint
+  double rounder;                        // ROUND_TO_WHOLE + quarter; filled by the binding
+};
+
+// The same numbers of all joints side by side, for one configuration at a time; padded to a whole number of vectors.
+struct Turns {
+  const double *scale, *offset, *rounder;  // a prismatic joint has scale 0
+  bool in_order;                           // joint i belongs to column i
 };
 
 // Where the columns are written: at the target's point or at the base origin; in base axes or in the target's.
@@ -31,7 +43,9 @@ struct Program {
   double gravity;                             // the tree program's base is turned so that gravity points along -z
   bool vertical;                              // some joint of the tree program moves along its axis
   int row_count, rows[6];                     // rows in play for manipulability, singular values and damped rates
+  bool slides;                                // some joint is prismatic
   const Joint *joint;
+  Turns turns;
 };
 
 // One table of entry points for each instruction set. `scratch` is 64-byte aligned; scratch_size() tells how many doubles.

@@ -30,6 +30,7 @@ JOINT = np.dtype(
         ("parent", "i4"),
         ("add", "i4"),
         ("branches", "i4"),
+        ("plain", "i4"),
         ("ca", "f8"),
         ("sa", "f8"),
         ("p", "f8", 3),
@@ -43,6 +44,7 @@ JOINT = np.dtype(
         ("mass", "f8"),
         ("subtree_mass", "f8"),
         ("moment", "f8", 3),
+        ("rounder", "f8"),
     ],
     align=True,
 )

@@ -26,8 +26,11 @@ KS_INLINE void read_last(const Input &in, ptrdiff_t i, ptrdiff_t n) {
     in.lanes[e] = load(lane);
   }
 }
-static inline size_t sweep_size(const Program &c) { return block_size(c) + 2 * (entries_size(c) + 2) * LANES + 64; }
-KS_INLINE double *line_buffer(const Program &c, double *scratch) { return scratch + (block_size(c) + 63) / 64 * 64; }
+static inline size_t line_buffer_at(const Program &c) { return (block_size(c) + 63) / 64 * 64; }
+static inline size_t sweep_size(const Program &c) {
+  return line_buffer_at(c) + LineWriter::COLLECTED + (entries_size(c) * LANES + 127) / 64 * 64;
+}
+KS_INLINE double *line_buffer(const Program &c, double *scratch) { return scratch + line_buffer_at(c); }
 
 template <class Compute>
 KS_INLINE void sweep(const Input *inputs, int count, ptrdiff_t n, const V *entries, int size, double *out, double *buffer,
@@ -76,7 +79,7 @@ static void k_pose(const Program *cp, const double *q, ptrdiff_t n, double *out,
   T[15] = broadcast(1);
   const Input in[] = {{q, c.columns, b.q}};
   sweep(in, 1, n, T, 16, out, line_buffer(c, scratch), [&]() __attribute__((always_inline)) {
-    const Frame f = tail(c, forward(c, b.q, b));
+    const Frame f = tail(c, forward<false>(c, b.q, b));
     T[0] = f.X.x, T[1] = f.Y.x, T[2] = f.Z.x, T[3] = f.p.x;
     T[4] = f.X.y, T[5] = f.Y.y, T[6] = f.Z.y, T[7] = f.p.y;
     T[8] = f.X.z, T[9] = f.Y.z, T[10] = f.Z.z, T[11] = f.p.z;
@@ -93,28 +96,28 @@ KS_INLINE void rate_block(const Program &c, Block &b) {
   Vec w = none, vo = none;
   for (int i = 0; i < c.joints; i++) {  // b.w: w x z of each axis; b.v: velocity of each joint's origin
     const Joint &j = c.joint[i];
-    if (i) vo = vo + cross(w, b.origin[i] - b.origin[i - 1]);
+    if (i) vo = vo + cross(w, b.at[i].origin - b.at[i - 1].origin);
     else vo = none;
-    b.w[i] = cross(w, b.axis[i]);
+    b.at[i].w = cross(w, b.at[i].axis);
     const V rate = b.second[j.column];
-    if (j.kind != kinestatics::REVOLUTE) vo = add_scaled(vo, j.lift * rate, b.axis[i]);
-    b.v[i] = vo;
-    if (j.kind != kinestatics::PRISMATIC) w = add_scaled(w, j.scale * rate, b.axis[i]);
+    if (j.kind != kinestatics::REVOLUTE) vo = add_scaled(vo, j.lift * rate, b.at[i].axis);
+    b.at[i].v = vo;
+    if (j.kind != kinestatics::PRISMATIC) w = add_scaled(w, j.scale * rate, b.at[i].axis);
   }
-  if (c.joints) vo = vo + cross(w, target - b.origin[c.joints - 1]);
+  if (c.joints) vo = vo + cross(w, target - b.at[c.joints - 1].origin);
   const Vec at = c.origin_at_base ? none : target, v_at = c.origin_at_base ? none : vo;
   const Frame t = c.axes_of_target ? tail(c, f) : f;
   for (int i = 0; i < c.joints; i++) {
     const Joint &j = c.joint[i];
-    Vec dv = scaled(b.w[i], j.lift), dw = none;
+    Vec dv = scaled(b.at[i].w, j.lift), dw = none;
     if (j.kind != kinestatics::PRISMATIC) {
-      Vec turned = cross(b.w[i], at - b.origin[i]) + cross(b.axis[i], v_at - b.v[i]);
-      dw = scaled(b.w[i], j.scale);
-      dv = j.kind == kinestatics::HELICAL ? add_scaled(scaled(turned, j.scale), j.lift, b.w[i]) : scaled(turned, j.scale);
+      Vec turned = cross(b.at[i].w, at - b.at[i].origin) + cross(b.at[i].axis, v_at - b.at[i].v);
+      dw = scaled(b.at[i].w, j.scale);
+      dv = j.kind == kinestatics::HELICAL ? add_scaled(scaled(turned, j.scale), j.lift, b.at[i].w) : scaled(turned, j.scale);
     }
     if (c.axes_of_target) {
       Vec v, u;
-      twist_of(j, b.axis[i], b.origin[i], at, v, u);
+      twist_of(j, b.at[i].axis, b.at[i].origin, at, v, u);
       dv = into_axes(t, dv - cross(w, v));
       dw = into_axes(t, dw - cross(w, u));
     }
@@ -149,18 +152,18 @@ KS_INLINE void hessian_block(const Program &c, Block &b, bool clean) {
   const V zero = broadcast(0);
   const Vec none{zero, zero, zero};
   const Vec at = c.origin_at_base ? none : tail_point(c, f);
-  for (int i = 0; i < c.joints; i++) twist_of(c.joint[i], b.axis[i], b.origin[i], at, b.v[i], b.w[i]);
+  for (int i = 0; i < c.joints; i++) twist_of(c.joint[i], b.at[i].axis, b.at[i].origin, at, b.at[i].v, b.at[i].w);
   if (clean) clear(b.entries, 6 * c.columns * c.columns);
   const Frame t = c.axes_of_target ? tail(c, f) : f;
   for (int k = 0; k < c.joints; k++)
     for (int j = k; j < c.joints; j++) {
       const Joint &jj = c.joint[j], &jk = c.joint[k];
-      Vec late = cross(b.w[k], b.v[j]), late_w = cross(b.w[k], b.w[j]);  // column j, moved by the earlier joint k
+      Vec late = cross(b.at[k].w, b.at[j].v), late_w = cross(b.at[k].w, b.at[j].w);  // column j, moved by the earlier joint k
       Vec early = late, early_w = none;                                  // column k, moved by the later joint j
-      if (c.origin_at_base) late = late - cross(b.w[j], b.v[k]), early = none;
+      if (c.origin_at_base) late = late - cross(b.at[j].w, b.at[k].v), early = none;
       if (c.axes_of_target) {
-        late = into_axes(t, late - cross(b.w[k], b.v[j])), late_w = into_axes(t, late_w - cross(b.w[k], b.w[j]));
-        early = into_axes(t, early - cross(b.w[j], b.v[k])), early_w = into_axes(t, early_w - cross(b.w[j], b.w[k]));
+        late = into_axes(t, late - cross(b.at[k].w, b.at[j].v)), late_w = into_axes(t, late_w - cross(b.at[k].w, b.at[j].w));
+        early = into_axes(t, early - cross(b.at[j].w, b.at[k].v)), early_w = into_axes(t, early_w - cross(b.at[j].w, b.at[k].w));
       }
       put_second(b.entries, c.columns, jj, jk, late, late_w);
       if (j > k) put_second(b.entries, c.columns, jk, jj, early, early_w);
@@ -179,26 +182,45 @@ static void k_hessian(const Program *cp, const double *q, ptrdiff_t n, double *o
 
 // Torques that hold a tree of bodies against gravity, which points along -z of the program's base. One sweep out for the
 // first moments of mass, one sweep in to add them up behind each joint: O(joints).
+// Where no joint moves along its axis the third row of the frames is not needed, and never computed if never stored.
+struct Saved {
+  V x[4], y[4], z[4];
+  template <bool VERTICAL>
+  KS_INLINE_METHOD void keep(const Frame &f) {
+    x[0] = f.X.x, x[1] = f.Y.x, x[2] = f.Z.x, x[3] = f.p.x;
+    y[0] = f.X.y, y[1] = f.Y.y, y[2] = f.Z.y, y[3] = f.p.y;
+    if (VERTICAL) z[0] = f.X.z, z[1] = f.Y.z, z[2] = f.Z.z, z[3] = f.p.z;
+  }
+  template <bool VERTICAL>
+  KS_INLINE_METHOD Frame frame() const {
+    if (!VERTICAL) {
+      const V none = broadcast(0);
+      return {{x[0], y[0], none}, {x[1], y[1], none}, {x[2], y[2], none}, {x[3], y[3], none}};
+    }
+    return {{x[0], y[0], z[0]}, {x[1], y[1], z[1]}, {x[2], y[2], z[2]}, {x[3], y[3], z[3]}};
+  }
+};
 template <bool VERTICAL>
-KS_INLINE void gravity_block(const Program &c, Block &b, Frame *saved) {
-  all_sines(c, b.q, b.sine, b.cosine);
+KS_INLINE void gravity_block(const Program &c, Block &b, Saved *saved) {
+  all_sines(c, b.q, b.at);
   Frame f = base_frame();
   for (int i = 0; i < c.joints; i++) {
     const Joint &j = c.joint[i];
-    if (j.parent != i - 1 || j.parent < 0) f = j.parent < 0 ? base_frame() : saved[j.parent];
+    if (j.parent != i - 1 || j.parent < 0) f = j.parent < 0 ? base_frame() : saved[j.parent].frame<VERTICAL>();
     step_fixed(j, f);
-    step_moving(j, b.sine[i], b.cosine[i], b.q[j.column], f);
-    if (j.branches) saved[i] = f;  // a branch starts here again later
-    b.axis[i] = f.Z, b.origin[i] = f.p;
+    step_moving(j, b.at[i].sine, b.at[i].cosine, b.q[j.column], f);
+    if (j.branches) saved[i].keep<VERTICAL>(f);  // a branch starts here again later
+    b.at[i].axis.x = f.Z.x, b.at[i].axis.y = f.Z.y, b.at[i].origin.x = f.p.x, b.at[i].origin.y = f.p.y;
+    if (VERTICAL) b.at[i].axis.z = f.Z.z;
     const V m = broadcast(j.mass);
-    b.v[i].x = fma_(j.moment[2], f.Z.x, fma_(j.moment[1], f.Y.x, fma_(j.moment[0], f.X.x, m * f.p.x)));
-    b.v[i].y = fma_(j.moment[2], f.Z.y, fma_(j.moment[1], f.Y.y, fma_(j.moment[0], f.X.y, m * f.p.y)));
+    b.at[i].v.x = fma_(j.moment[2], f.Z.x, fma_(j.moment[1], f.Y.x, fma_(j.moment[0], f.X.x, m * f.p.x)));
+    b.at[i].v.y = fma_(j.moment[2], f.Z.y, fma_(j.moment[1], f.Y.y, fma_(j.moment[0], f.X.y, m * f.p.y)));
   }
   for (int k = 0; k < c.columns; k++) b.entries[k] = broadcast(0);
   for (int i = c.joints - 1; i >= 0; i--) {
     const Joint &j = c.joint[i];
-    const Vec axis = b.axis[i], origin = b.origin[i], moment = b.v[i];
-    if (j.parent >= 0) b.v[j.parent].x += moment.x, b.v[j.parent].y += moment.y;
+    const Vec &axis = b.at[i].axis, &origin = b.at[i].origin, &moment = b.at[i].v;
+    if (j.parent >= 0) b.at[j.parent].v.x += moment.x, b.at[j.parent].v.y += moment.y;
     V torque = broadcast(0);
     const V m = broadcast(j.subtree_mass);
     if (!VERTICAL || j.kind != kinestatics::PRISMATIC)
@@ -210,7 +232,7 @@ KS_INLINE void gravity_block(const Program &c, Block &b, Frame *saved) {
 static void k_gravity_torques(const Program *cp, const double *q, ptrdiff_t n, double *out, double *scratch) {
   const Program &c = *cp;
   Block b = carve(c, scratch);
-  Frame *saved = (Frame *)(line_buffer(c, scratch) + 2 * (entries_size(c) + 2) * LANES);
+  Saved *saved = (Saved *)(scratch + sweep_size(c));
   const Input in[] = {{q, c.columns, b.q}};
   double *buffer = line_buffer(c, scratch);
   if (c.vertical)
@@ -221,7 +243,7 @@ static void k_gravity_torques(const Program *cp, const double *q, ptrdiff_t n, d
 static void k_joint_torques(const Program *cp, const double *q, const double *wrench, ptrdiff_t n, double *out, double *scratch) {
   const Program &c = *cp;
   Block b = carve(c, scratch);
-  V *J = b.entries, *torque = (V *)b.extra;
+  V *J = b.entries, *torque = b.result;
   clear(J, 6 * c.columns);
   V f[8];
   const Input in[] = {{q, c.columns, b.q}, {wrench, 6, f}};
@@ -237,7 +259,7 @@ static void k_joint_torques(const Program *cp, const double *q, const double *wr
 }
 static size_t k_scratch_size(const Program *cp) {
   const Program &c = *cp;
-  return sweep_size(c) + 2 * LANES * (entries_size(c) + 2) + (size_t)c.joints * sizeof(Frame) / sizeof(double) + 64;
+  return sweep_size(c) + (size_t)c.joints * sizeof(Saved) / sizeof(double);
 }
 
 }  // namespace

@@ -39,18 +39,21 @@ KS_INLINE void transpose(const V *a, V *out) {
 }
 #endif
 
-KS_INLINE void write_block(const V *entries, double *out, ptrdiff_t stride) {
+KS_INLINE void write_block(const V *entries, double *const *out, ptrdiff_t e) {
   V rows[LANES];
-  transpose(entries, rows);
+  transpose(entries + e, rows);
   KS_UNROLL
-  for (int w = 0; w < LANES; w++) store(out + w * stride, rows[w]);
+  for (int w = 0; w < LANES; w++) store(out[w] + e, rows[w]);
 }
 // `size` entries of LANES configurations into rows of `out`, one after another.
 KS_INLINE void write_rows(const V *entries, int size, double *out) {
   if (size >= LANES) {
-    int e = 0;
-    for (; e + LANES <= size; e += LANES) write_block(entries + e, out + e, size);
-    if (e < size) write_block(entries + size - LANES, out + size - LANES, size);  // overlaps the block before
+    double *row[LANES];
+    KS_UNROLL
+    for (int w = 0; w < LANES; w++) row[w] = out + w * (ptrdiff_t)size;
+    const ptrdiff_t last = size - LANES;
+    for (ptrdiff_t e = 0; e < last; e += LANES) write_block(entries, row, e);
+    write_block(entries, row, last);  // may overlap the block before
     return;
   }
   for (int w = 0; w < LANES; w++)
@@ -75,33 +78,25 @@ KS_INLINE void read_rows(const double *rows, int size, ptrdiff_t readable, V *en
   }
 }
 
-// Large outputs bypass the caches: rows are collected in `buffer` and leave it as whole 64-byte lines. The first and the
-// last line may belong partly to someone else; these are written with plain stores.
+// Large outputs bypass the caches: rows are collected in `buffer` and leave it as whole 64-byte lines, one block late, since
+// a line that was only just put together would wait for its own stores. The first and the last line may belong partly to
+// someone else; these are written with plain stores.
 class LineWriter {
  public:
+  static constexpr int COLLECTED = 256;  // doubles; the buffer holds so many and one block more
   LineWriter(double *out, double *buffer) : buffer_(buffer), begin_(out) {
-    waiting_ = (int)(((uintptr_t)out & 63) / sizeof(double));
-    line_ = out - waiting_;
+    filled_ = (int)(((uintptr_t)out & 63) / sizeof(double));
+    line_ = out - filled_;
   }
-  inline __attribute__((always_inline)) void put(const V *entries, int size) {
-    write_rows(entries, size, buffer_ + waiting_);
-    const int total = waiting_ + size * LANES;
-    int done = 0;
-    if (__builtin_expect(line_ < begin_, 0) && total >= 8) {
-      for (int k = (int)(begin_ - line_); k < 8; k++) line_[k] = buffer_[k];
-      done = 8;
-    }
-#if defined(__x86_64__)
-    for (; done + 8 <= total; done += 8) stream_line(line_ + done, buffer_ + done);
-#else
-    for (; done + 8 <= total; done += 8) std::memcpy(line_ + done, buffer_ + done, 64);
-#endif
-    line_ += done;
-    waiting_ = total - done;
-    for (int k = 0; k < waiting_; k++) buffer_[k] = buffer_[done + k];
+  KS_INLINE_METHOD void put(const V *entries, int size) {
+    write_rows(entries, size, buffer_ + filled_);
+    send(filled_ & ~7);
+    filled_ += size * LANES;
+    if (filled_ >= COLLECTED) restart();
   }
   void finish() {
-    for (int k = 0; k < waiting_; k++)
+    restart();
+    for (int k = 0; k < filled_; k++)
       if (line_ + k >= begin_) line_[k] = buffer_[k];
 #if defined(__x86_64__)
     _mm_sfence();
@@ -109,9 +104,27 @@ class LineWriter {
   }
 
  private:
-#if defined(__x86_64__)
+  KS_INLINE_METHOD void send(int end) {  // what the buffer holds before `end`, a whole number of lines
+    if (__builtin_expect(line_ < begin_, 0) && end) {
+      for (int k = (int)(begin_ - line_); k < 8; k++) line_[k] = buffer_[k];
+      begin_ = line_;  // from here on every line is ours
+      sent_ = 8;
+    }
+#pragma GCC unroll 4
+    for (; sent_ < end; sent_ += 8) stream_line(line_ + sent_, buffer_ + sent_);
+  }
+  void restart() {  // sends all whole lines and begins the buffer anew with the rest
+    const int whole = filled_ & ~7;
+    send(whole);
+    line_ += whole;
+    filled_ -= whole;
+    sent_ = 0;
+    for (int k = 0; k < filled_; k++) buffer_[k] = buffer_[whole + k];
+  }
   KS_INLINE void stream_line(double *to, const double *from) {
-#if LANES == 8
+#if !defined(__x86_64__)
+    std::memcpy(to, from, 64);
+#elif LANES == 8
     _mm512_stream_pd(to, _mm512_load_pd(from));
 #elif LANES == 4
     _mm256_stream_pd(to, _mm256_load_pd(from));
@@ -120,9 +133,8 @@ class LineWriter {
     for (int k = 0; k < 8; k += 2) _mm_stream_pd(to + k, _mm_load_pd(from + k));
 #endif
   }
-#endif
-  double *buffer_, *line_, *begin_;
-  int waiting_;
+  double *buffer_, *line_, *begin_;  // buffer_[k] belongs at line_[k]
+  int filled_, sent_ = 0;
 };
 
 }  // namespace

@@ -21,9 +21,9 @@ KS_INLINE V4 fnma4(V4 a, V4 b, V4 c) { return c - a * b; }
 #endif
 KS_INLINE V4 all4(double x) { return x - V4{}; }
 #define KS_PERMUTE(a, x, y, z) __builtin_shufflevector(a, a, x, y, z, 3)
-KS_INLINE V4 cross4(V4 a, V4 b) {
-  const V4 ab = KS_PERMUTE(a, 1, 2, 0) * KS_PERMUTE(b, 2, 0, 1);
-  return fnma4(KS_PERMUTE(a, 2, 0, 1), KS_PERMUTE(b, 1, 2, 0), ab);
+KS_INLINE V4 cross4(V4 a, V4 b) {  // z, x, y first: three permutations instead of four, the roundings of Vec's cross
+  const V4 turned = fnma4(KS_PERMUTE(a, 1, 2, 0), b, a * KS_PERMUTE(b, 1, 2, 0));
+  return KS_PERMUTE(turned, 1, 2, 0);
 }
 struct Frame4 {
   V4 X, Y, Z, p;
@@ -38,31 +38,57 @@ KS_INLINE void step_fixed(const Joint &j, Frame4 &f) {
   else if (j.turn == kinestatics::TURN_GENERAL)
     f.Y = fma4(all4(j.sa), Z, Y * j.ca), f.Z = fma4(all4(-j.sa), Y, Z * j.ca);
 }
-KS_INLINE void sines_one(const Program &c, const double *q, double *sine, double *cosine) {
+static __attribute__((noinline, cold)) void large_sines_of(const Program &c, V x, int from, double *sine, double *cosine) {
   double angle[LANES];
-  for (int i = 0; i < c.joints; i += LANES) {
-    VInt quarter{};
-    for (int k = 0; k < LANES; k++) {
-      const Joint &j = c.joint[i + k < c.joints ? i + k : i];
-      angle[k] = j.kind == kinestatics::PRISMATIC ? 0.0 : angle_of(j, broadcast(q[j.column]))[0];
-      quarter[k] = j.quarter;
+  store(angle, x);
+  for (int k = 0; k < LANES && from + k < c.joints; k++) {
+    double same[LANES], s[LANES], co[LANES];
+    for (int w = 0; w < LANES; w++) same[w] = angle[k], s[w] = sine[from + k], co[w] = cosine[from + k];
+    sincos_large(same, c.joint[from + k].quarter, s, co);
+    sine[from + k] = s[0], cosine[from + k] = co[0];
+  }
+}
+// Sines of M times LANES joints: block m begins at joint from[m] and reads its angles from q[m].
+template <int M>
+KS_INLINE void sines_of(const Program &c, const double *const *q, const int *from, double *sine, double *cosine) {
+  V x[M], rounder[M], s[M], co[M];
+  KS_UNROLL
+  for (int m = 0; m < M; m++) {
+    x[m] = fma_(load(c.turns.scale + from[m]), load(q[m]), load(c.turns.offset + from[m]));
+    rounder[m] = load(c.turns.rounder + from[m]);
+  }
+  sincos_small<M>(x, rounder, s, co);
+  KS_UNROLL
+  for (int m = 0; m < M; m++) {
+    store(sine + from[m], s[m]), store(cosine + from[m], co[m]);
+    if (__builtin_expect(any(is_large(x[m])), 0)) large_sines_of(c, x[m], from[m], sine, cosine);
+  }
+}
+KS_INLINE void sines_one(const Program &c, const double *q, double *sine, double *cosine) {
+  const int n = c.joints;
+  if (c.turns.in_order && n >= LANES) {  // straight from q; the last block overlaps the one before
+    int i = 0;
+    for (; i + LANES < n; i += 2 * LANES) {
+      const int from[] = {i, i + 2 * LANES <= n ? i + LANES : n - LANES};
+      const double *const angles[] = {q + from[0], q + from[1]};
+      sines_of<2>(c, angles, from, sine, cosine);
     }
-    V s, co;
-    const V x = load(angle);
-    sincos_small(x, quarter, s, co);
-    store(sine + i, s), store(cosine + i, co);
-    const bool large = any(is_large(x));
-    for (int k = 0; k < LANES && i + k < c.joints; k++) {
-      const Joint &j = c.joint[i + k];
-      if (j.kind == kinestatics::PRISMATIC) sine[i + k] = j.sine, cosine[i + k] = j.cosine;
-      else if (__builtin_expect(large, 0)) {
-        double from[LANES], sl[LANES], cl[LANES];
-        for (int w = 0; w < LANES; w++) from[w] = angle[k], sl[w] = sine[i + k], cl[w] = cosine[i + k];
-        sincos_large(from, j.quarter, sl, cl);
-        sine[i + k] = sl[0], cosine[i + k] = cl[0];
-      }
+    if (i < n) {
+      const int from = n - LANES;
+      const double *const angles = q + from;
+      sines_of<1>(c, &angles, &from, sine, cosine);
+    }
+  } else {
+    for (int i = 0; i < n; i += LANES) {
+      double gathered[LANES];
+      for (int k = 0; k < LANES; k++) gathered[k] = q[c.joint[i + k < n ? i + k : i].column];
+      const double *const angles = gathered;
+      sines_of<1>(c, &angles, &i, sine, cosine);
     }
   }
+  if (c.slides)
+    for (int i = 0; i < n; i++)
+      if (c.joint[i].kind == kinestatics::PRISMATIC) sine[i] = c.joint[i].sine, cosine[i] = c.joint[i].cosine;
 }
 KS_INLINE void store_column(double *out, int stride, const Joint &j, V4 v, V4 w) {
   double *e = out + j.column;
@@ -101,7 +127,9 @@ static void k_jacobian_one(const Program *cp, const double *q, double *out, doub
   for (int i = 0; i < n; i++) {
     const Joint &j = c.joint[i];
     V4 v, w;
-    if (j.kind == kinestatics::PRISMATIC) {
+    if (__builtin_expect(j.plain, 1)) {
+      v = cross4(axis[i], at - origin[i]), w = axis[i];
+    } else if (j.kind == kinestatics::PRISMATIC) {
       v = axis[i] * j.lift, w = axis[i] * 0.0;
     } else {
       v = cross4(axis[i], at - origin[i]), w = axis[i];
