@@ -155,3 +155,23 @@ def test_same_input_same_output():
     assert not np.array_equal(ARM.random_configurations(5, seed=3), ARM.random_configurations(5, seed=4))
     q = ARM.random_configurations(1000, seed=0)
     assert np.all((q >= ARM.lower) & (q <= ARM.upper))
+
+
+@pytest.mark.parametrize("gravity", [(0, 0), (0, 0, -9.81, 0), (0, 0, np.nan), "down", None, 9.81, (0, 0, np.inf)], ids=str)
+def test_gravity_that_is_no_vector_is_refused(gravity):
+    """Gravity is three finite numbers; anything else is an error and not a NaN or an index error."""
+    arm = ks.load("planar_2r")
+    for ask in (
+        lambda: ks.gravity_torques(arm, [0.1, 0.2], gravity=gravity),
+        lambda: ks.analyze(arm, gravity=gravity),
+        lambda: ks.Evaluator(arm, gravity=gravity),
+    ):
+        with pytest.raises(ks.ConfigurationError, match="KS303: gravity"):
+            ask()
+
+
+def test_random_configurations_need_counts_and_seeds_from_zero():
+    """A negative seed or count is an error with a code."""
+    for count, seed in ((1, -1), (-1, 0)):
+        with pytest.raises(ks.ConfigurationError, match="KS309"):
+            ARM.random_configurations(count, seed)

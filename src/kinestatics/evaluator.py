@@ -10,6 +10,7 @@ from .errors import ArrayTypeError, FrameMismatchError
 from .frames import BASE, TIP, Frame
 from .kinematics import named_frame
 from .model import RobotModel
+from .statics import checked_gravity
 from .tasks import find_task
 
 
@@ -73,7 +74,8 @@ class Evaluator(Chain):
                 "use kinestatics.jacobian(arm, q, frame=...), which knows every link",
             )
         self.task = find_task(model, task, at=tip, frame=frame)
-        self._arguments = (model, tip, tuple(point), frame, task, tuple(gravity))
+        down = tuple(float(g) for g in checked_gravity(gravity))
+        self._arguments = (model, tip, tuple(point), frame, task, down)
         super().__init__(
             *chain_arguments(
                 model,
@@ -82,7 +84,7 @@ class Evaluator(Chain):
                 origin_at_base=origin == base != link,
                 offset=(float(point[0]), float(point[1]), float(point[2])),
                 rows=self.task.rows,
-                gravity=(float(gravity[0]), float(gravity[1]), float(gravity[2])),
+                gravity=(down[0], down[1], down[2]),
             )
         )
 

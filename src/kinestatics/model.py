@@ -189,6 +189,8 @@ class RobotModel:
         lower = np.where(np.isfinite(self.lower), self.lower, -reach)
         upper = np.where(np.isfinite(self.upper), self.upper, reach)
         lower, upper = np.minimum(lower, upper), np.maximum(lower, upper)
+        if seed < 0 or count < 0:
+            raise ConfigurationError("KS309", f"count {count} or seed {seed} is negative", "give whole numbers from 0 on")
         return np.random.default_rng(seed).uniform(lower, upper, (count, self.n))
 
     def __getstate__(self) -> dict[str, Any]:

@@ -6,6 +6,7 @@ may be of any library and have leading batch axes.
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Callable
 from typing import Any, NoReturn, Self
 
@@ -29,6 +30,11 @@ from .spatial import (
 
 Locate = Callable[[Frame], tuple[Frame, Array, Array, Namespace]]
 """Frame → the frame with link names, its rotation and origin in base axes, and the array library."""
+
+WIDTH = 80
+"""Columns of text that printed results keep to, where the names of links and joints allow it."""
+TIED = "\u00a0"
+"""A space at which no line is broken; printed as an ordinary one."""
 
 _set = object.__setattr__
 
@@ -93,6 +99,15 @@ def _table(rows: list[list[str]]) -> str:
         cells = [row[0].ljust(widths[0])] + [cell.rjust(width) for cell, width in zip(row[1:], widths[1:], strict=True)]
         lines.append("  ".join(cells).rstrip())
     return "\n".join(lines)
+
+
+def wrapped(label: str, text: str, hang: int = 0) -> str:
+    """The text behind a label, its further lines indented; names are never broken, nor lines at a tied space."""
+    indent = " " * (len(label) + hang)
+    filled = textwrap.fill(
+        text, WIDTH, initial_indent=label, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False
+    )
+    return filled.replace(TIED, " ")
 
 
 class Pose(_Frozen):
@@ -177,9 +192,28 @@ class _SixVector(_Frozen):
         return f"{type(self).__name__} ({values}) [{self._units[0]}, {self._units[1]}], {self.frame}"
 
 
-def _six(first: Any, second: Any) -> Array:
-    a, b = np.asarray(first), np.asarray(second)
-    return np.concatenate([np.broadcast_to(x, np.broadcast_shapes(a.shape, b.shape)) for x in (a, b)], axis=-1)
+def _three(value: Any, what: str) -> tuple[Array, Namespace]:
+    array, xp = as_array(value, what)
+    if array.ndim < 1 or array.shape[-1] != 3:
+        raise ConfigurationError("KS303", f"{what} has shape {tuple(array.shape)}; expected (3,) or (..., 3)", "x, y, z")
+    return array, xp
+
+
+def _six(first: Any, second: Any, names: tuple[str, str]) -> Array:
+    """The two halves of a six-vector as one array, in the library of the half that is not plain numbers."""
+    (a, of_a), (b, of_b) = _three(first, names[0]), _three(second, names[1])
+    xp = of_b if of_a.name == "numpy" else of_a
+    if of_a.name != xp.name:
+        a = xp.constant(a, b)
+    if of_b.name != xp.name:
+        b = xp.constant(b, a)
+    try:
+        shape = np.broadcast_shapes(tuple(a.shape), tuple(b.shape))
+    except ValueError:
+        raise ConfigurationError(
+            "KS303", f"{names[0]} has shape {tuple(a.shape)}, {names[1]} {tuple(b.shape)}", "give both the same batch axes"
+        ) from None
+    return xp.concat([xp.broadcast(a, shape), xp.broadcast(b, shape)], -1)
 
 
 class Twist(_SixVector):
@@ -196,7 +230,7 @@ class Twist(_SixVector):
     @classmethod
     def of(cls, linear: Any = (0.0, 0.0, 0.0), angular: Any = (0.0, 0.0, 0.0), frame: Frame | None = None) -> Self:
         """From its two parts, (..., 3) each."""
-        return cls(_six(linear, angular), frame or Frame())
+        return cls(_six(linear, angular, ("linear", "angular")), frame or Frame())
 
     @classmethod
     def from_array(cls, array: Any, *, order: str, frame: Frame | None = None) -> Self:
@@ -248,12 +282,12 @@ class Wrench(_SixVector):
     @classmethod
     def on_environment(cls, force: Any = (0.0, 0.0, 0.0), torque: Any = (0.0, 0.0, 0.0), frame: Frame | None = None) -> Self:
         """What the robot exerts on its surroundings, (..., 3) each [N, N m]."""
-        return cls(_six(force, torque), frame or Frame(), "environment")
+        return cls(_six(force, torque, ("force", "torque")), frame or Frame(), "environment")
 
     @classmethod
     def on_robot(cls, force: Any = (0.0, 0.0, 0.0), torque: Any = (0.0, 0.0, 0.0), frame: Frame | None = None) -> Self:
         """What a load exerts on the robot, (..., 3) each [N, N m]."""
-        return cls(_six(force, torque), frame or Frame(), "robot")
+        return cls(_six(force, torque, ("force", "torque")), frame or Frame(), "robot")
 
     @property
     def force(self) -> Array:
@@ -411,9 +445,13 @@ class Jacobian(JacobianMatrix):
         head = f"Jacobian of {self.link}: {self.frame}\nrows: linear [m/s], angular [rad/s], per unit joint rate"
         if self.array.ndim > 2:
             return f"{head}\nbatch of shape {self.shape}"
-        rows = [["", *self.joint_names]]
-        rows += [[name, *(format_number(x) for x in row)] for name, row in zip(self.rows, _numeric(self.array), strict=True)]
-        return f"{head}\n{_table(rows)}"
+        rows = [[name, *(format_number(x) for x in row)] for name, row in zip(self.rows, _numeric(self.array), strict=True)]
+        named = _table([["", *self.joint_names], *rows])
+        if not self.joint_names or len(named.partition("\n")[0]) <= WIDTH:
+            return f"{head}\n{named}"
+        numbers = [str(k + 1) for k in range(len(self.joint_names))]  # the names would make the table too wide
+        names = ", ".join(f"{k}{TIED}{name}" for k, name in zip(numbers, self.joint_names, strict=True))
+        return f"{head}\n{_table([['', *numbers], *rows])}\n{wrapped('joints: ', names)}"
 
 
 class JacobianRate(JacobianMatrix):

@@ -14,7 +14,7 @@ from .spatial import ANGULAR, LINEAR
 _PURE = 1e-7  # a part this small beside the other (angles, relative lengths) is not mentioned
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Screw:
     """A twist or wrench taken apart (Ball 1900; MLS section 2.3).
 
@@ -51,15 +51,15 @@ def _direction_words(direction: Array, axes: str) -> str:
     return f"({numbers}) in axes of {axes}"
 
 
-def _point_words(point: Array, length: float, origin: str) -> str:
+def _point_words(point: Array, length: float, axes: str, origin: str) -> str:
     if np.linalg.norm(point) < _PURE * length:
         return f"through the origin of {origin}"
     numbers = ", ".join(format_number(x) for x in point)
-    return f"through ({numbers}) m from the origin of {origin}"
+    return f"through the origin of {origin} + ({numbers}) m in axes of {axes}"
 
 
 def _take_apart(along: Array, turning: Array, length: float) -> tuple[Array, Array | None, float]:
-    """Direction, point and pitch of a screw with line vector `turning` and moment `along` (a twist's ω and v)."""
+    """Direction, point and pitch of a screw with line vector `turning` and moment `along` (ω and v, f and τ)."""
     size = float(np.linalg.norm(turning))
     if size * length <= _PURE * float(np.linalg.norm(along)):
         return along / np.linalg.norm(along), None, np.inf
@@ -81,7 +81,7 @@ def describe_lost_twist(twist: Array, axes: str, origin: str, length: float) -> 
     where = _direction_words(direction, axes)
     if point is None:
         return Screw("translation", direction, None, np.inf, f"no velocity along {where}")
-    line = _point_words(point, length, origin)
+    line = _point_words(point, length, axes, origin)
     if pitch == 0.0:
         return Screw("rotation", direction, point, 0.0, f"no rotation about {where}, {line}")
     text = f"no screw motion about {where}, {line}, pitch {format_number(pitch)} m/rad"
@@ -95,16 +95,12 @@ def describe_free_wrench(wrench: Array, axes: str, origin: str, length: float) -
         >>> describe_free_wrench(np.array([0.0, 0, 0, 0, 1, 0]), "base", "tip", 1.0).text
         'couple about y of base'
     """
-    f, m = wrench[LINEAR], wrench[ANGULAR]
-    if np.linalg.norm(f) * length <= _PURE * np.linalg.norm(m):
-        direction = m / np.linalg.norm(m)
-        return Screw("couple", direction, None, np.inf, f"couple about {_direction_words(direction, axes)}")
-    size = float(np.linalg.norm(f))
-    direction, point = f / size, np.cross(f, m) / size**2
-    pitch = float(direction @ m) / size
-    where, line = _direction_words(direction, axes), _point_words(point, length, origin)
-    if abs(pitch) < _PURE * length:
+    direction, point, pitch = _take_apart(wrench[ANGULAR], wrench[LINEAR], length)
+    where = _direction_words(direction, axes)
+    if point is None:
+        return Screw("couple", direction, None, np.inf, f"couple about {where}")
+    line = _point_words(point, length, axes, origin)
+    if pitch == 0.0:
         return Screw("force", direction, point, 0.0, f"force along {where}, {line}")
-    return Screw(
-        "wrench", direction, point, pitch, f"force along {where}, {line}, with {format_number(pitch)} N m of moment per N"
-    )
+    text = f"force along {where}, {line}, with {format_number(pitch)} N m of moment per N"
+    return Screw("wrench", direction, point, pitch, text)

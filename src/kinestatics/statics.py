@@ -13,7 +13,7 @@ import numpy as np
 
 from . import definition
 from ._kernels import STANDARD_GRAVITY, Chain, chain_arguments
-from .errors import MissingMassError
+from .errors import ArrayTypeError, ConfigurationError, MissingMassError
 from .frames import BASE
 from .kinematics import configuration
 from .model import RobotModel
@@ -48,11 +48,12 @@ def joint_torques(J: Jacobian, wrench: Wrench) -> Array:
     """
     J.require_frame(wrench.frame, "wrench")
     sign = 1 if wrench.acts_on == "environment" else -1
-    six, xp = as_array(wrench.array)
-    if xp.name == "numpy" and not isinstance(J.array, np.ndarray):
-        _, like = as_array(J.array)
-        six = like.constant(six, J.array)
-    return sign * rotate(transpose(J.array), six)
+    (six, of_wrench), (matrix, of_J) = as_array(wrench.array), as_array(J.array, "the Jacobian")
+    if of_wrench.name == "numpy" != of_J.name:
+        six = of_J.constant(six, matrix)
+    elif of_J.name == "numpy" != of_wrench.name:
+        matrix = of_wrench.constant(matrix, six)
+    return sign * rotate(transpose(matrix), six)
 
 
 def gravity_torques(
@@ -76,6 +77,7 @@ def gravity_torques(
 
     Raises:
         MissingMassError: KS320, when the robot's file gives no masses.
+        ConfigurationError: KS303, when gravity is not three finite numbers (or symbols).
 
     Law: τ = -Σ J_comᵀ m g, the gradient of the potential energy. Source: note 000, "gravity compensation".
 
@@ -90,11 +92,28 @@ def gravity_torques(
             "KS320", f"robot {model.name!r} has no masses", "its file gives none; a result of zero would be wrong, not light"
         )
     array, xp = configuration(model, q, check_finite)
+    gravity = checked_gravity(gravity)
     if by_link:
         return definition.gravity_torques_by_link(model, array, gravity, xp)
     if xp.name == "numpy" and model.masses.dtype != object:
         return _gravity_chain(model, tuple(float(g) for g in gravity)).gravity_torques(array)
     return definition.gravity_torques(model, array, gravity, xp)
+
+
+def checked_gravity(gravity: Sequence[float]) -> Any:
+    """Gravity as an array (3) of numbers or of symbols.
+
+    Raises:
+        ConfigurationError: KS303, when it is not three finite numbers.
+    """
+    hint = "m/s², in base axes: (0, 0, -9.81)"
+    try:
+        vector, xp = as_array(gravity, "gravity")
+    except (ArrayTypeError, ValueError):
+        raise ConfigurationError("KS303", f"gravity {gravity!r} is not 3 numbers", hint) from None
+    if tuple(vector.shape) != (3,) or (xp.name == "numpy" and not np.all(np.isfinite(vector))):
+        raise ConfigurationError("KS303", f"gravity {gravity!r} is not 3 finite numbers", hint)
+    return vector
 
 
 def _gravity_chain(model: RobotModel, gravity: tuple[float, ...]) -> Chain:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -14,11 +16,12 @@ from .frames import TIP, Frame
 from .kinematics import jacobian
 from .model import RobotModel
 from .namespaces import Array, as_array
-from .spatial import ANGULAR, ANGULAR_ROWS, LINEAR, LINEAR_ROWS, ROW_NAMES
+from .spatial import ANGULAR, ANGULAR_ROWS, LINEAR, LINEAR_ROWS, ROW_NAMES, split_pose
 
 TASKS = {"full": ALL_ROWS, "position": LINEAR_ROWS, "orientation": ANGULAR_ROWS}
 _SAMPLES = 24
 _STRUCTURAL = 1e-9
+_ROUNDING = 1e-13  # lengths below this share of the robot's largest dimension are rounding, not geometry
 
 
 @dataclass(frozen=True)
@@ -50,7 +53,9 @@ def characteristic_length(model: RobotModel, at: str = TIP) -> float:
     """Reach of the chain to a link: the sum of the distances from joint axis to joint axis and to the tip [m].
 
     It turns radians into metres where the two are compared (ranks, condition numbers); every result that uses it shows it.
-    A prismatic joint with limits adds the middle of its range.
+    A prismatic joint adds the middle of its range, or its home where it has no limits; a helical joint its pitch. A chain
+    without any extent, such as a spherical wrist with the tip at its centre, moves no point and has no reach: there it is
+    the largest length in the robot's description, or 1 m when there is none.
 
     Example:
         >>> import kinestatics as ks
@@ -60,18 +65,42 @@ def characteristic_length(model: RobotModel, at: str = TIP) -> float:
     path = model.path(model.link_joints[model.link(at)])
     q = np.array(
         [
-            0.5 * (lo + hi) if np.isfinite(lo) and np.isfinite(hi) else 0.0
-            for lo, hi in zip(model.lower, model.upper, strict=True)
+            0.5 * (lo + hi) if np.isfinite(lo) and np.isfinite(hi) else home
+            for lo, hi, home in zip(model.lower, model.upper, model.home, strict=True)
         ]
     )
     array, xp = as_array(q)
     poses = definition.joint_poses(model, array, xp)
     points = [poses.p[joint] + poses.R[joint] @ _axis_point(model.screws[joint]) for joint in path]
     _, end = definition.link_pose(model, poses, model.link(at), array, xp)
-    if not points:
-        return 1e-9
-    hops = [float(np.linalg.norm(b - a)) for a, b in zip(points, [*points[1:], end], strict=True)]
-    return max(sum(hops), 1e-9)
+    hops = [float(np.linalg.norm(b - a)) for a, b in zip(points, [*points[1:], end], strict=True)] if points else []
+    hops += [abs(float(screw[ANGULAR] @ screw[LINEAR])) for screw in model.screws[list(path)]]
+    reach, largest = sum(hops), _largest_dimension(model)
+    return reach if reach > _ROUNDING * largest else largest or 1.0
+
+
+def _largest_dimension(model: RobotModel) -> float:
+    """The largest length in the description of the robot [m]: what rounding errors of positions are measured by."""
+    lengths = (split_pose(model.placements)[1], split_pose(model.link_placements)[1], model.screws[:, LINEAR])
+    return max(float(np.abs(length).max(initial=0.0)) for length in lengths)
+
+
+def prismatic_columns(model: RobotModel) -> Array:
+    """(n) whether a joint coordinate is a length [m] and not an angle [rad]."""
+    kinds = dict(zip(model.moving_names, model.kinds, strict=True))
+    return np.array([kinds.get(name) == "prismatic" for name in model.joint_names], dtype=bool)
+
+
+def without_rounding(model: RobotModel, array: Array) -> Array:
+    """A Jacobian's array (..., 6, n) with zeros for the lengths in it that are nothing but rounding.
+
+    A wrist whose tip lies on all its axes has linear entries of about 1e-17 m where geometry says 0, and no larger ones
+    to show that they are small. Columns of prismatic joints hold no lengths.
+    """
+    floor = np.where(prismatic_columns(model), 0.0, _ROUNDING * _largest_dimension(model))
+    cleaned = np.array(array)
+    cleaned[..., LINEAR, :] = np.where(np.abs(cleaned[..., LINEAR, :]) < floor, 0.0, cleaned[..., LINEAR, :])
+    return cleaned
 
 
 def _axis_point(screw: Array) -> Array:
@@ -86,7 +115,7 @@ def find_task(
 
     Args:
         model: the robot.
-        task: "auto", "full", "position", "orientation", or rows such as ("vx", "vy", "wz").
+        task: "auto", "full", "position", "orientation", or rows such as ("vx", "vy", "wz") or "vx,vy,wz".
         at, frame: as in `jacobian`.
 
     Returns:
@@ -102,33 +131,42 @@ def find_task(
         ('vx', 'vy')
     """
     samples = _samples(model, at, frame)
-    if not isinstance(task, str):
-        rows = _named_rows(task)
-        return Task(rows, _rank(samples, rows), "rows", "the rows asked for")
-    if task in TASKS:
+    if isinstance(task, str) and task in TASKS:
         return Task(TASKS[task], _rank(samples, TASKS[task]), task, f"the task asked for is {task!r}")
-    if task != "auto":
-        raise UnknownNameError(
-            "KS318", f"task {task!r} is not known", "say 'auto', 'full', 'position', 'orientation' or row names"
-        )
-    return _automatic(samples)
+    if isinstance(task, str) and task == "auto":
+        return _automatic(samples)
+    rows = _named_rows(task)
+    return Task(rows, _rank(samples, rows), "rows", "the rows asked for")
 
 
-def _named_rows(rows: Sequence[str] | Sequence[int]) -> tuple[int, ...]:
-    found = []
-    for row in rows:
-        index = ROW_NAMES.index(row) if row in ROW_NAMES else row
-        if not isinstance(index, int) or not 0 <= index < 6:
-            raise UnknownNameError("KS318", f"row {row!r} is not known", f"rows are {', '.join(ROW_NAMES)}, or 0 to 5")
-        found.append(index)
-    return tuple(sorted(set(found)))
+def _named_rows(rows: Any) -> tuple[int, ...]:
+    """Indices of rows given as names or numbers; one name, or several with commas between, may come as text."""
+    if isinstance(rows, str):
+        named = [row.strip() for row in rows.split(",")]
+        if not set(named) & set(ROW_NAMES):
+            hint = "say 'auto', 'full', 'position', 'orientation' or rows such as 'vx,vy,wz'"
+            raise UnknownNameError("KS318", f"task {rows!r} is not known", hint)
+        rows = named
+    try:
+        return tuple(sorted({_row_index(row) for row in rows}))
+    except TypeError:
+        raise UnknownNameError("KS318", f"task {rows!r} is not known", "give rows as a list, such as ['vx', 'wz']") from None
+
+
+def _row_index(row: Any) -> int:
+    if isinstance(row, str) and row in ROW_NAMES:
+        return ROW_NAMES.index(row)
+    hint = f"rows are {', '.join(ROW_NAMES)}, or 0 to 5"
+    if isinstance(row, str | bool) or not hasattr(row, "__index__") or not 0 <= operator.index(row) < 6:
+        raise UnknownNameError("KS318", f"row {row!r} is not known", hint)
+    return operator.index(row)
 
 
 def _samples(model: RobotModel, at: str, frame: Frame | None) -> Array:
     """Jacobians at fixed pseudo-random configurations, with lengths in units of the arm's reach: (samples, 6, n)."""
     rng = np.random.default_rng(20261124)
     q = rng.uniform(-np.pi, np.pi, (_SAMPLES, model.n))
-    scaled = np.array(jacobian(model, q, at=at, frame=frame).array)
+    scaled = without_rounding(model, jacobian(model, q, at=at, frame=frame).array)
     lengths = scaled[:, list(LINEAR_ROWS)]
     largest = np.abs(lengths).max(initial=0.0)
     if largest > 0:
@@ -141,6 +179,11 @@ def _rank(samples: Array, rows: Sequence[int]) -> int:
         return 0
     sigma = np.linalg.svd(samples[:, list(rows)], compute_uv=False)
     return int((sigma > _STRUCTURAL * sigma.max(initial=0.0)).sum(-1).max())
+
+
+def moving_columns(model: RobotModel, rows: Sequence[int], at: str = TIP) -> Array:
+    """(n) whether a joint moves these rows in any posture."""
+    return np.abs(_samples(model, at, None)[:, list(rows)]).max(axis=(0, 1), initial=0.0) > _STRUCTURAL
 
 
 def _automatic(samples: Array) -> Task:

@@ -138,3 +138,25 @@ def test_mixing_libraries_is_an_error():
     with pytest.raises(ks.ArrayTypeError, match="KS302"):
         ks.jacobian_rate(model, jax.numpy.asarray(q), torch.tensor(q))
     assert ks.jacobian_rate(model, torch.tensor(q), q).array.shape == (6, model.n)
+
+
+@pytest.mark.parametrize("frame", [ks.Frame(), ks.Frame.body()], ids=str)
+def test_wrenches_of_every_library(frame):
+    """A wrench made of JAX, PyTorch or SymPy parts gives the torques of the same numbers, and gradients flow through it."""
+    model, q = MECHANISMS[0].model(), MECHANISMS[0].configurations(1)[0]
+    force, torque = np.array([1.0, -2.0, 0.5]), np.array([0.1, 0.2, -0.3])
+    J = ks.jacobian(model, q, frame=frame)
+    expected = ks.joint_torques(J, ks.Wrench.on_robot(force, torque, frame))
+
+    def torques(f):
+        return ks.joint_torques(J, ks.Wrench.on_robot(f, torque, frame))
+
+    assert_close(jax.jit(torques)(jax.numpy.asarray(force)), expected, ROUNDING)
+    assert_close(jax.jacobian(torques)(jax.numpy.asarray(force)), -J.linear.T, ROUNDING)
+    tensor = torch.tensor(force, requires_grad=True)
+    assert_close(torques(tensor).detach().numpy(), expected, ROUNDING)
+    torques(tensor).sum().backward()
+    assert_close(tensor.grad.numpy(), -J.linear.sum(1), ROUNDING)
+    fx = sp.Symbol("fx")
+    symbolic = torques([fx, -2.0, 0.5])
+    assert_close(np.array([float(t.subs(fx, 1)) for t in symbolic]), expected, ROUNDING)

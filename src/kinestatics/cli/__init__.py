@@ -1,4 +1,7 @@
-"""The shell: one small module per command, parse → call → render. Floor 11. Exit codes: 0 done, 2 bad input."""
+"""The shell: one small module per command, parse → call → render. Floor 11. Exit codes: 0 done, 2 bad input.
+
+Command modules import the package inside their functions, so that `--help` and `--version` need not load it.
+"""
 
 from __future__ import annotations
 

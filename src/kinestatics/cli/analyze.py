@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import json
 from typing import Annotated
 
 import typer
 
-from ..analysis import analyze
-from .app import app, show
+from .app import app, show, show_json
 from .arguments import AllowXacro, At, Base, Hold, Json, Robot, Roots, Seed, Tip, read_configuration, read_robot, read_wrench
 
 
-@app.command("analyze")
+@app.command("analyze", short_help="What can this arm do, here?")
 def command(
     robot: Robot,
     base: Base = None,
@@ -30,7 +28,8 @@ def command(
     as_json: Json = False,
 ) -> None:
     """What can this arm do, here? Pose, Jacobian, rank, lost directions, torques, limits."""
+    from ..analysis import analyze
+
     model = read_robot(robot, base, tip, hold, package_root, allow_xacro)
-    rows = task if "," not in task else [row.strip() for row in task.split(",")]
-    result = analyze(model, read_configuration(model, at, seed), read_wrench(load, push), rows)
-    show(json.dumps(result.to_dict(), indent=2) if as_json else str(result))
+    result = analyze(model, read_configuration(model, at, seed), read_wrench(load, push), task)
+    show_json(result.to_dict()) if as_json else show(str(result), model)

@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
+import io
+import json
 import sys
 import warnings
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..errors import KinestaticsError
+from ..errors import KinestaticsError, KinestaticsWarning
+
+if TYPE_CHECKING:
+    from ..model import RobotModel
 
 app = typer.Typer(
     add_completion=True,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
+    rich_markup_mode=None,  # plain help: no frames to break at 80 columns, no colour codes, and 0.07 s less to import
+    context_settings={"help_option_names": ["--help", "-h"]},
     help="Differential kinematics and statics of robot arms: what can this arm do, here?",
 )
 
@@ -43,13 +50,18 @@ def _load_commands() -> None:
 def main() -> None:
     """Entry point: runs a command; an error of ours becomes its message on stderr and exit code 2, never a traceback."""
     _load_commands()
+    if isinstance(sys.stdout, io.TextIOWrapper):  # a terminal that cannot show a robot's name gets it with escapes
+        sys.stdout.reconfigure(errors="backslashreplace")
     with warnings.catch_warnings():
-        warnings.simplefilter("always")
+        warnings.simplefilter("always", KinestaticsWarning)
         warnings.showwarning = _show_warning
         try:
-            app()
+            app(prog_name="kinestatics")
         except KinestaticsError as error:
             typer.echo(_printable(str(error)), err=True)
+            sys.exit(2)
+        except OSError as error:
+            typer.echo(_printable(f"error KS346: {error.strerror or error}: {error.filename or 'output'}"), err=True)
             sys.exit(2)
 
 
@@ -62,6 +74,14 @@ def _printable(text: str) -> str:
     return "".join(c if c == "\n" or c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
-def show(text: str) -> None:
-    """Print to stdout, safe for names from files."""
+def show_json(data: Any) -> None:
+    """Print strict JSON to stdout: no NaN, no infinity, and every character beyond printable ASCII escaped."""
+    typer.echo(json.dumps(data, indent=2, allow_nan=False))
+
+
+def show(text: str, model: RobotModel | None = None) -> None:
+    """Print to stdout, safe for the names of a model from a file: none can drive the terminal or forge a line."""
+    names = (model.name, *model.joint_names, *model.link_names) if model is not None else ()
+    for name in sorted((name for name in names if "\n" in name), key=len, reverse=True):
+        text = text.replace(name, name.replace("\n", "\\n"))
     typer.echo(_printable(text))

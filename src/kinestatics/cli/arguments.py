@@ -5,18 +5,19 @@ from __future__ import annotations
 import ast
 import math
 import operator
+import warnings
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-import numpy as np
 import typer
 
 from ..errors import ConfigurationError, KinestaticsError, UnknownNameError, nearest
-from ..model import RobotModel
-from ..namespaces import Array
-from ..quantities import Wrench
-from ..robots.loading import load
+
+if TYPE_CHECKING:
+    from ..model import RobotModel
+    from ..namespaces import Array
+    from ..quantities import Wrench
 
 Robot = Annotated[
     str, typer.Argument(help="A catalogue name (see `kinestatics robots`) or a .urdf, .xml (MJCF), .xacro file.")
@@ -26,7 +27,7 @@ Tip = Annotated[str | None, typer.Option(help="Link whose motion is asked for; d
 At = Annotated[
     str, typer.Option(help="Configuration: numbers such as 0,-pi/2,30deg (radians, metres), or home, zero, random.")
 ]
-Seed = Annotated[int, typer.Option(help="Seed of --at random.")]
+Seed = Annotated[int, typer.Option(min=0, help="Seed of --at random.")]
 Hold = Annotated[list[str] | None, typer.Option(help="Hold a joint off the path: name=value. May be repeated.")]
 Roots = Annotated[list[Path] | None, typer.Option("--package-root", help="Folder for package:// paths. May be repeated.")]
 AllowXacro = Annotated[
@@ -57,7 +58,9 @@ def number(text: str) -> float:
     stripped = text.strip()
     degrees = stripped.endswith("deg")
     try:
-        value = _value(ast.parse(stripped.removesuffix("deg").strip(), mode="eval").body, depth=0)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # Python warns of text such as "1or2" before it refuses it
+            value = _value(ast.parse(stripped.removesuffix("deg").strip(), mode="eval").body, depth=0)
     except (SyntaxError, ValueError, ZeroDivisionError, RecursionError, MemoryError, OverflowError):
         raise ConfigurationError("KS340", f"{text!r} is not a number", "write 0.5, -pi/2 or 30deg") from None
     if not math.isfinite(value):
@@ -80,18 +83,20 @@ def _value(node: ast.AST, depth: int) -> float:
 
 
 def numbers(text: str) -> list[float]:
-    """Numbers separated by commas or spaces."""
-    return [number(part) for part in text.replace(",", " ").split()]
+    """Numbers separated by commas, or by spaces where there is no comma."""
+    return [number(part) for part in (text.split(",") if "," in text else text.split())]
 
 
 def read_robot(
     robot: str, base: str | None, tip: str | None, hold: list[str] | None, roots: list[Path] | None, allow_xacro: bool
 ) -> RobotModel:
     """The model of the shared options."""
+    from ..robots.loading import load
+
     joints: dict[str, float] = {}
     for entry in hold or []:
         name, separator, value = entry.rpartition("=")
-        if not separator:
+        if not (separator and name):
             raise ConfigurationError("KS341", f"--hold {entry!r} is not name=value", "for example --hold finger_joint1=0.04")
         joints[name] = number(value)
     return load(robot, base, tip, joints, package_roots=roots or (), allow_xacro=allow_xacro)
@@ -99,6 +104,8 @@ def read_robot(
 
 def read_configuration(model: RobotModel, at: str, seed: int) -> Array:
     """home, zero, random, or n numbers."""
+    import numpy as np
+
     words: dict[str, Callable[[], Any]] = {
         "home": lambda: model.home,
         "zero": lambda: np.zeros(model.n),
@@ -107,15 +114,21 @@ def read_configuration(model: RobotModel, at: str, seed: int) -> Array:
     if at in words:
         return np.array(words[at]())
     try:
-        return np.array(numbers(at), dtype=np.float64)
+        values = numbers(at)
     except KinestaticsError as error:
         if at.isalpha():
             raise UnknownNameError("KS342", f"--at {at!r} is not known", nearest(at, words)) from None
         raise error
+    if len(values) != model.n:
+        hint = f"one for each of {', '.join(model.joint_names)}, or home, zero, random"
+        raise ConfigurationError("KS345", f"--at has {len(values)} numbers; {model.name!r} has {model.n} joints", hint)
+    return np.array(values, dtype=np.float64)
 
 
 def read_wrench(load_text: str | None, push_text: str | None) -> Wrench | None:
     """--load (acts on the robot) or --push (the robot acts on its surroundings): 3 or 6 numbers."""
+    from ..quantities import Wrench
+
     if load_text is not None and push_text is not None:
         raise ConfigurationError("KS343", "--load and --push were both given", "give one; their effects add up")
     for text, word, make in ((load_text, "--load", Wrench.on_robot), (push_text, "--push", Wrench.on_environment)):

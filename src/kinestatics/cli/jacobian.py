@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import json
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
-import numpy as np
 import typer
 
 from ..frames import BASE, TIP, Frame
-from ..kinematics import jacobian
-from .app import app, show
+from .app import app, show, show_json
 from .arguments import AllowXacro, At, Base, Hold, Json, Robot, Roots, Seed, Tip, read_configuration, read_robot
 
+if TYPE_CHECKING:
+    from ..namespaces import Array
 
-@app.command("jacobian")
+
+@app.command("jacobian", short_help="The Jacobian, in any axes, at any point.")
 def command(
     robot: Robot,
     base: Base = None,
@@ -33,12 +33,24 @@ def command(
     as_json: Json = False,
 ) -> None:
     """The Jacobian of the tip, in any axes, at any point, in any library's convention."""
+    import numpy as np
+
+    from ..kinematics import jacobian
+
     model = read_robot(robot, base, tip, hold, package_root, allow_xacro)
     J = jacobian(model, read_configuration(model, at, seed), frame=Frame(axes, origin))
     if convention is not None:
         array = J.to_array(convention=convention)
-        output = {"convention": convention, "joints": list(J.joint_names), "array": array.tolist()}
-        show(json.dumps(output, indent=2) if as_json else np.array2string(array, precision=6, suppress_small=True))
+        if as_json:
+            show_json(
+                {"robot": model.name, "convention": convention, "joints": list(J.joint_names), "array": array.tolist()}
+            )
+        else:
+            rounded: Array = np.round(array, 6) + 0.0  # no minus before a rounded zero
+            show(np.array2string(rounded, precision=6, suppress_small=True, max_line_width=1000, threshold=10**9))
+        return
+    if not as_json:
+        show(str(J), model)
         return
     output = {
         "robot": model.name,
@@ -48,4 +60,4 @@ def command(
         "origin": J.frame.origin,
         "rows": list(J.rows),
     }
-    show(json.dumps(output, indent=2) if as_json else str(J))
+    show_json(output)
