@@ -91,7 +91,7 @@ def run(code):
 
 def test_import_is_light():
     """Importing the package imports no optional library, no console library and nothing heavy."""
-    heavy = {"sympy", "mujoco", "jax", "torch", "scipy", "matplotlib", "rich", "typer", "xacrodoc", "xml", "multiprocessing"}
+    heavy = {"sympy", "mujoco", "jax", "torch", "scipy", "matplotlib", "rich", "typer", "xacro", "xml", "multiprocessing"}
     listing = "import sys, {}; print(*(name.partition('.')[0] for name in sys.modules))"
     ours, numpys = (set(run(listing.format(name)).split()) for name in ("kinestatics", "numpy"))
     assert not heavy & (ours - numpys)

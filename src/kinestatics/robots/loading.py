@@ -43,7 +43,7 @@ def load(
         UnknownNameError: no such robot, link or joint (with the nearest names).
         RobotFileError: the file is wrong; code, file:line:column and a remedy.
         RobotDefinitionError: KS314, several possible tips and none named.
-        MissingExtraError: MJCF without the package mujoco, xacro without xacrodoc.
+        MissingExtraError: MJCF without the package mujoco, xacro without xacro.
 
     Example:
         >>> import kinestatics as ks
