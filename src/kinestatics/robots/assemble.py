@@ -16,6 +16,8 @@ from ..errors import RobotDefinitionError, UnknownNameError, nearest
 from ..model import RobotModel
 from ..namespaces import Array, as_array
 from ..spatial import inverse_pose, pose_matrix, screw_motion
+from .arguments import checked_number
+from .checks import leaders
 from .description import JointDescription, RobotDescription
 
 
@@ -51,8 +53,10 @@ def assemble(
     base = _known_link(base, names) if base is not None else _root(robot)
     walk = _walk(robot, base)
     tip = _known_link(tip, names) if tip is not None else _default_tip(robot, base, walk, whole_tree)
-    masters = _masters(robot)
-    held = _held(robot, walk, tip, dict(joints or {}), masters, whole_tree)
+    asked = dict(joints or {})
+    driven_by = leaders(robot.joints, held=asked)
+    masters = {joint.name: driven_by[joint.name] for joint in robot.joints if joint.kind != "fixed"}
+    held = _held(robot, walk, tip, asked, masters, whole_tree)
     return _build(robot, base, tip, walk, held, masters)
 
 
@@ -123,20 +127,6 @@ def _default_tip(robot: RobotDescription, base: str, walk: list[_Step], whole_tr
     )
 
 
-def _masters(robot: RobotDescription) -> dict[str, tuple[str, float, float]]:
-    """For every moving joint: the joint that finally drives it, the multiplier and the offset (chains multiplied out)."""
-    by_name = {joint.name: joint for joint in robot.joints}
-    masters: dict[str, tuple[str, float, float]] = {}
-    for joint in robot.joints:
-        if joint.kind == "fixed":
-            continue
-        name, multiplier, offset = joint.name, 1.0, 0.0
-        while (mimic := by_name[name].mimic) is not None:
-            name, multiplier, offset = mimic.joint, multiplier * mimic.multiplier, multiplier * mimic.offset + offset
-        masters[joint.name] = (name, multiplier, offset)
-    return masters
-
-
 def _rest(joint: JointDescription) -> float:
     """Where a joint is held when nobody says where: home, else zero, else the limit nearest to zero."""
     return joint.home if joint.home is not None else float(np.clip(0.0, joint.lower, joint.upper))
@@ -154,8 +144,11 @@ def _held(
     for name, value in asked.items():
         if name not in masters:
             raise UnknownNameError("KS313", f"the robot has no moving joint {name!r}", nearest(name, masters))
-        if not np.isfinite(value):
-            raise RobotDefinitionError("KS301", f"joint {name!r} is held at {value}", "give a finite value")
+        try:
+            asked[name] = checked_number(value, "the value")
+        except RobotDefinitionError:
+            message = f"joint {name!r} is held at {value!r}"
+            raise RobotDefinitionError("KS301", message, "give a finite value in rad or m") from None
     path = _path(walk, tip) if tip is not None else []
     wanted = {masters[joint.name][0] for joint in path if joint.kind != "fixed"}
     by_name = {joint.name: joint for joint in robot.joints}

@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Collection, Mapping, Sequence
 
 from ..errors import Finding, Place, RobotFileError, nearest
-from .description import JointDescription, LinkDescription, RobotDescription
+from .description import JointDescription, LinkDescription, Mimic, RobotDescription
 
 MAX_JOINTS = 2000
+"""In a row, from the base to a tip."""
+MAX_MOVING = 5000
+"""In all: matrices of joints by joints must fit into memory. Fixed joints cost nothing and are not counted."""
+_SHOWN = 12
+LARGEST = 1e50
+"""Numbers above this overflow once lengths, masses and multipliers meet; no robot has them."""
 
 
 def checked(
@@ -23,7 +30,7 @@ def checked(
     """The description, after all structural checks; trees that do not hang on `base` are left out, with a finding.
 
     Raises:
-        RobotFileError: KS106, KS121, KS130-KS137, KS152, KS153, KS170, KS171.
+        RobotFileError: KS106, KS121, KS130-KS137, KS152, KS153, KS155, KS170-KS172.
     """
     where = Place(source)
     if not links:
@@ -50,6 +57,11 @@ def checked(
         tip,
         tuple(notes),
     )
+
+
+def unlimited(lower: float, upper: float) -> tuple[float, float]:
+    """Limits as some exporters write "none", the largest double, made infinite: their distance must not overflow."""
+    return (-math.inf if lower < -LARGEST else lower, math.inf if upper > LARGEST else upper)
 
 
 def _unique(things: Sequence[LinkDescription] | Sequence[JointDescription], what: str, code: str) -> None:
@@ -85,27 +97,36 @@ def _one_parent(joints: Sequence[JointDescription]) -> None:
 
 def _loop(links: Sequence[str], place: Place | None) -> None:
     raise RobotFileError(
-        "KS135", f"loop: {' -> '.join(links)}", "a robot must be a tree; closed chains are not supported", place
+        "KS135", f"loop: {_arrows(links)}", "a robot must be a tree; closed chains are not supported", place
     )
+
+
+def _arrows(names: Sequence[str]) -> str:
+    shown = names if len(names) <= _SHOWN else [*names[: _SHOWN - 2], "...", names[-1]]
+    return " -> ".join(shown)
 
 
 def _no_loops(joints: Sequence[JointDescription]) -> None:
     above = {joint.child: joint for joint in joints}
     settled: set[str] = set()
     for joint in joints:
-        walk: list[str] = []
+        walk: dict[str, None] = {}  # in order, and quick to look up
         link = joint.child
         while link in above and link not in settled:
             if link in walk:
-                loop = walk[walk.index(link) :][::-1]
+                passed = [*walk]
+                loop = passed[passed.index(link) :][::-1]
                 _loop([*loop, loop[0]], above[link].place)
-            walk.append(link)
+            walk[link] = None
             link = above[link].parent
         settled.update(walk)
 
 
 def _depth(joints: Sequence[JointDescription]) -> None:
-    """Chains are bounded; a link may have any number of children."""
+    """Chains are bounded, and so is the number of joints that move; a link may have any number of fixed children."""
+    moving = sum(joint.kind != "fixed" for joint in joints)
+    if moving > MAX_MOVING:
+        raise RobotFileError("KS106", f"{moving} joints that move; the limit is {MAX_MOVING}", "", joints[-1].place)
     above = {joint.child: joint for joint in joints}
     depth: dict[str, int] = {}
     for joint in joints:
@@ -126,6 +147,9 @@ def _limits(joints: Sequence[JointDescription]) -> None:
         if joint.lower > joint.upper:
             message = f"joint {joint.name!r}: lower limit {joint.lower:g} is above upper limit {joint.upper:g}"
             raise RobotFileError("KS152", message, "exchange them", joint.place)
+        if joint.lower > LARGEST or joint.upper < -LARGEST:
+            message = f"joint {joint.name!r}: no position lies within its limits [{joint.lower:g}, {joint.upper:g}]"
+            raise RobotFileError("KS155", message, "exchange their signs", joint.place)
         for word, value in (("effort", joint.effort), ("velocity", joint.velocity)):
             if value < 0:
                 raise RobotFileError(
@@ -136,20 +160,40 @@ def _limits(joints: Sequence[JointDescription]) -> None:
 def _mimics(joints: Sequence[JointDescription]) -> None:
     by_name: Mapping[str, JointDescription] = {joint.name: joint for joint in joints}
     for joint in joints:
-        if joint.mimic is None:
-            continue
-        if joint.mimic.joint not in by_name:
+        if joint.mimic is not None and joint.mimic.joint not in by_name:
             message = f"joint {joint.name!r} mimics joint {joint.mimic.joint!r}, which does not exist"
             raise RobotFileError("KS170", message, nearest(joint.mimic.joint, by_name), joint.place)
-        walk = [joint.name]
-        following: JointDescription | None = joint
-        while following is not None and following.mimic is not None:
-            following = by_name.get(following.mimic.joint)
-            if following is not None and following.name in walk:
-                what = "itself" if len(walk) == 1 else " -> ".join([*walk, following.name])
+    for name, (_, multiplier, offset) in leaders(joints).items():
+        if not max(abs(multiplier), abs(offset)) <= LARGEST:
+            message = f"joint {name!r}: the mimic multipliers in a row come to more than {LARGEST:g}"
+            raise RobotFileError("KS172", message, "look for a wrong unit", by_name[name].place)
+
+
+def leaders(joints: Sequence[JointDescription], held: Collection[str] = ()) -> dict[str, tuple[str, float, float]]:
+    """For every joint: the joint that finally drives it, the multiplier and the offset, chains of followers multiplied out.
+
+    Args:
+        joints: all of a robot.
+        held: joints that are held: they follow no more, and lead their own followers.
+
+    Raises:
+        RobotFileError: KS171, when no joint leads.
+    """
+    by_name = {joint.name: joint for joint in joints}
+    found: dict[str, tuple[str, float, float]] = {}
+    for joint in joints:
+        walk: dict[str, Mimic] = {}
+        name = joint.name
+        while name not in found and name not in held and (mimic := by_name[name].mimic) is not None:
+            walk[name], name = mimic, mimic.joint
+            if name in walk:
+                what = "itself" if len(walk) == 1 else _arrows([*walk, name])
                 raise RobotFileError("KS171", f"joint {joint.name!r} mimics {what}", "one joint must lead", joint.place)
-            if following is not None:
-                walk.append(following.name)
+        found.setdefault(name, (name, 1.0, 0.0))
+        for follower, mimic in reversed(walk.items()):
+            leader, multiplier, offset = found[mimic.joint]
+            found[follower] = (leader, mimic.multiplier * multiplier, mimic.multiplier * offset + mimic.offset)
+    return found
 
 
 def _component(

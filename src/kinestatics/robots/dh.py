@@ -9,7 +9,8 @@ from __future__ import annotations
 import math
 import sys
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from numbers import Rational
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ import numpy as np
 from ..errors import KinestaticsWarning, RobotDefinitionError
 from ..model import RobotModel
 from ..namespaces import Array
+from .arguments import checked_array, checked_joints, checked_list, checked_number, checked_pose, is_list, is_real_symbol
 from .assemble import assemble
 from .description import JointDescription, LinkDescription, RobotDescription
 
@@ -54,7 +56,7 @@ def from_dh(
         A model with links base, link1 ... linkn (the frames of the rows), and tool if one is given.
 
     Raises:
-        RobotDefinitionError: KS200-KS203, KS205, with the row.
+        RobotDefinitionError: KS200-KS203 with the row; KS131, KS152, KS160, KS205-KS208, KS212 with the argument.
 
     Example:
         >>> import kinestatics as ks
@@ -66,56 +68,77 @@ def from_dh(
         raise RobotDefinitionError(
             "KS201", f"convention {convention!r} is not known", "say convention='standard' or convention='modified'"
         )
-    letters = types.upper() if types is not None else "R" * len(rows)
-    for letter in letters:
-        if letter not in "RP":
-            raise RobotDefinitionError("KS202", f"joint type {letter!r} is not known; expected R or P")
-    names = list(joint_names) if joint_names is not None else [f"joint{i + 1}" for i in range(len(rows))]
-    per_row = {"types": letters, "joint_names": names, "limits": limits, "masses": masses}
-    _check_lengths(len(rows), per_row | {"centers_of_mass": centers_of_mass, "inertias": inertias})
-    exact = any(_is_symbol(x) for row in rows for x in row)
+    table = []
+    for i, row in enumerate(checked_list(rows, None, "rows", "joint")):
+        table.append(_row(row, f"row {i + 1}"))
+    n = len(table)
+    letters = _letters(types, n)
+    names, bounds = checked_joints(joint_names, limits, n, "row")
+    bodies = _bodies(n, masses, centers_of_mass, inertias)
+    exact = any(_is_symbol(x) for row in table for x in row)
+    mount = checked_pose(base, "base") if base is not None else None
+    end = checked_pose(tool, "tool") if tool is not None else None
+    if not table and mount is not None:
+        end = mount if end is None else mount @ end
     links, joints = [LinkDescription("base")], []
-    for i, row in enumerate(rows):
-        placement, screw = dh_joint(row, letters[i], convention, where=f"row {i + 1}", exact=exact)
-        if i == 0 and base is not None:
-            placement = np.asarray(base) @ placement
-        lower, upper = limits[i] if limits is not None else (-np.inf, np.inf)
+    for i, row in enumerate(table):
+        placement, screw = dh_joint(row, letters[i], convention, exact)
+        if i == 0 and mount is not None:
+            placement = mount @ placement
         kind = "prismatic" if letters[i] == "P" else ("continuous" if limits is None else "revolute")
-        joints.append(JointDescription(names[i], kind, links[-1].name, f"link{i + 1}", placement, screw, lower, upper))
-        links.append(_link(i, masses, centers_of_mass, inertias))
-    if tool is not None:
-        joints.append(JointDescription("tool_joint", "fixed", links[-1].name, "tool", np.asarray(tool)))
+        joints.append(JointDescription(names[i], kind, links[-1].name, f"link{i + 1}", placement, screw, *bounds[i]))
+        links.append(LinkDescription(f"link{i + 1}", *bodies[i]))
+    if end is not None:
+        joints.append(JointDescription("tool_joint", "fixed", links[-1].name, "tool", end))
         links.append(LinkDescription("tool"))
-    source = f"{convention} Denavit-Hartenberg table of {len(rows)} rows"
+    source = f"{convention} Denavit-Hartenberg table of {n} rows"
     return assemble(RobotDescription(name, tuple(links), tuple(joints), source, tip=links[-1].name))
 
 
-def _link(i: int, masses: Any, centers: Any, inertias: Any) -> LinkDescription:
-    return LinkDescription(
-        f"link{i + 1}",
-        mass=masses[i] if masses is not None else 0.0,
-        center_of_mass=np.asarray(centers[i]) if centers is not None else np.zeros(3),
-        inertia=np.asarray(inertias[i]) if inertias is not None else np.zeros((3, 3)),
+def _row(row: Any, where: str) -> list[Any]:
+    """The four entries of a row: symbols and fractions as they are, other numbers as floats."""
+    if not is_list(row) or len(row) != 4:
+        found = f"found {len(row)}" if is_list(row) else f"found {type(row).__name__}"
+        raise RobotDefinitionError("KS200", f"{where}: expected 4 numbers: a alpha d theta; {found}")
+    entries = []
+    for word, entry in zip(("a", "alpha", "d", "theta"), row, strict=True):
+        _check_entry(word, entry, where)
+        entries.append(entry if _is_symbol(entry) or isinstance(entry, Rational) else float(entry))
+    return entries
+
+
+def _letters(types: Any, n: int) -> list[str]:
+    letters = (
+        ["R"] * n if types is None else checked_list(list(types) if isinstance(types, str) else types, n, "types", "row")
     )
+    for letter in letters:
+        if not isinstance(letter, str) or letter not in ("R", "P", "r", "p"):
+            raise RobotDefinitionError("KS202", f"joint type {letter!r} is not known; expected R or P")
+    return [letter.upper() for letter in letters]
 
 
-def _check_lengths(n: int, arguments: Mapping[str, Sequence[Any] | None]) -> None:
-    for word, value in arguments.items():
-        if value is not None and len(value) != n:
-            raise RobotDefinitionError("KS205", f"{word} has {len(value)} entries for {n} rows", "give one a row")
+def _bodies(n: int, masses: Any, centers: Any, inertias: Any) -> list[tuple[Any, Array, Array]]:
+    """Mass, centre of mass and inertia of each link; zero where not given."""
+    given = {"masses": ((), masses), "centers_of_mass": ((3,), centers), "inertias": ((3, 3), inertias)}
+    columns: list[list[Any]] = []
+    for word, (shape, values) in given.items():
+        entries = [np.zeros(shape)] * n if values is None else checked_list(values, n, word, "row")
+        columns.append([checked_array(entry, shape, f"{word}[{i}]") for i, entry in enumerate(entries)])
+    for i, mass in enumerate(columns[0]):
+        if mass.dtype != object and mass < 0:
+            raise RobotDefinitionError("KS160", f"masses[{i}] is {mass:g}", "a mass is at least 0")
+    exact = any(array.dtype == object for column in columns for array in column)
+    sizes = [_exact(mass[()]) if exact else float(mass) for mass in columns[0]]
+    return list(zip(sizes, columns[1], columns[2], strict=True))
 
 
-def dh_joint(row: Sequence[Any], letter: str, convention: str, where: str, exact: bool = False) -> tuple[Array, Array]:
+def dh_joint(row: Sequence[Any], letter: str, convention: str, exact: bool = False) -> tuple[Array, Array]:
     """Placement (4, 4) of the frame of a row at zero, and the unit screw (6) of its joint in that frame.
 
     A standard row's joint turns about the axis *before* the row; seen from the row's own frame that is the screw
     v = (0, a cos α, -a sin α), ω = (0, sin α, cos α).
     """
-    if len(row) != 4:
-        raise RobotDefinitionError("KS200", f"{where}: expected 4 numbers: a alpha d theta; found {len(row)}")
-    for word, entry in zip(("a", "alpha", "d", "theta"), row, strict=True):
-        _check_entry(word, entry, where)
-    a, alpha, d, theta = row
+    a, alpha, d, theta = row if exact else map(float, row)
     (ca, sa), (ct, st) = _cos_sin(alpha, exact), _cos_sin(theta, exact)
     if exact:
         a, d = _exact(a), _exact(d)
@@ -139,15 +162,15 @@ def _check_entry(word: str, entry: Any, where: str) -> None:
         hint = "give the offset of theta as a number; the joint's own angle is added to it"
         raise RobotDefinitionError("KS203", f"{where}: {word} is text, not a number", hint)
     if _is_symbol(entry):
+        if not is_real_symbol(entry):
+            raise RobotDefinitionError("KS203", f"{where}: {word} is {entry}", "give a real, finite expression")
         return
     try:
-        finite = math.isfinite(entry)
-    except TypeError:
-        raise RobotDefinitionError("KS203", f"{where}: {word} is {type(entry).__name__}, not a number") from None
-    if not finite:
-        raise RobotDefinitionError("KS203", f"{where}: {word} is {entry}", "give a finite number")
-    if word in ("alpha", "theta") and abs(entry) > 2 * math.pi + 1e-9:
-        warnings.warn(f"KS204: {where}: {word} = {entry:g}: degrees? Angles are radians", KinestaticsWarning, stacklevel=4)
+        value = checked_number(entry, word)
+    except RobotDefinitionError as error:
+        raise RobotDefinitionError("KS203", f"{where}: {error.message}", error.hint) from None
+    if word in ("alpha", "theta") and abs(value) > 2 * math.pi + 1e-9:
+        warnings.warn(f"KS204: {where}: {word} = {value:g}: degrees? Angles are radians", KinestaticsWarning, stacklevel=4)
 
 
 def _cos_sin(angle: Any, exact: bool) -> tuple[Any, Any]:
@@ -157,13 +180,13 @@ def _cos_sin(angle: Any, exact: bool) -> tuple[Any, Any]:
 
         return sympy.cos(angle), sympy.sin(angle)
     quarters = round(angle / (math.pi / 2))
-    if abs(angle - quarters * (math.pi / 2)) < 1e-15 * max(1.0, abs(angle)):
+    if abs(quarters) <= 8 and abs(angle - quarters * (math.pi / 2)) < 1e-15 * max(1.0, abs(angle)):
         cosine, sine = ((1, 0), (0, 1), (-1, 0), (0, -1))[quarters % 4]
         return (_exact(cosine), _exact(sine)) if exact else (float(cosine), float(sine))
     if exact:
         import sympy
 
-        return sympy.cos(sympy.Float(angle)), sympy.sin(sympy.Float(angle))
+        return sympy.cos(_exact(angle)), sympy.sin(_exact(angle))
     return math.cos(angle), math.sin(angle)
 
 

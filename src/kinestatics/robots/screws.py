@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from ..errors import RobotDefinitionError
 from ..model import RobotModel
 from ..namespaces import Array
-from ..spatial import ANGULAR, LINEAR, split_pose, swap_order
+from ..spatial import ANGULAR, LINEAR, swap_order
+from .arguments import checked_array, checked_joints, checked_list, checked_number, checked_pose, unit_direction
 from .assemble import assemble
 from .description import JointDescription, LinkDescription, RobotDescription
 
@@ -30,18 +32,27 @@ def screw_axis(direction: Sequence[float], point: Sequence[float] = (0, 0, 0), p
     Returns:
         (6) unit screw.
 
+    Raises:
+        RobotDefinitionError: KS206-KS208, KS211.
+
     Example:
         >>> screw_axis((0, 0, 1), point=(1, 0, 0))
         array([ 0., -1.,  0.,  0.,  0.,  1.])
     """
-    w = np.asarray(direction, dtype=float)
-    length = np.linalg.norm(w)
-    if w.shape != (3,) or not np.isfinite(length) or length == 0:
+    w, length = unit_direction(_numeric(direction, (3,), "direction"))
+    if length == 0:
         raise RobotDefinitionError("KS211", f"direction {direction} is not a non-zero vector of 3 numbers")
-    w = w / length
-    if np.isinf(pitch):
+    advance = checked_number(pitch, "pitch", infinite=True)
+    if np.isinf(advance):
         return np.concatenate([w, np.zeros(3)])
-    return np.concatenate([np.cross(point, w) + pitch * w, w])
+    return np.concatenate([np.cross(_numeric(point, (3,), "point"), w) + advance * w, w])
+
+
+def _numeric(value: Any, shape: tuple[int, ...], what: str) -> Array:
+    array = checked_array(value, shape, what)
+    if array.dtype == object:
+        raise RobotDefinitionError("KS207", f"{what} holds symbols; screws take numbers", "use from_dh for symbolic lengths")
+    return array
 
 
 def from_screws(
@@ -66,7 +77,7 @@ def from_screws(
         name, joint_names, limits: as in `from_dh`.
 
     Raises:
-        RobotDefinitionError: KS205, KS210-KS214.
+        RobotDefinitionError: KS131, KS152, KS205-KS208, KS210-KS214.
 
     Example:
         >>> import kinestatics as ks
@@ -76,18 +87,16 @@ def from_screws(
     """
     if frame not in ("spatial", "body"):
         raise RobotDefinitionError("KS214", f"frame {frame!r} is not known", "say frame='spatial' or frame='body'")
-    screws = _ordered(np.asarray(axes, dtype=float).reshape(-1, 6) if len(axes) else np.zeros((0, 6)), order)
-    M = _checked_home(np.eye(4) if home is None else np.asarray(home, dtype=float))
-    names = list(joint_names) if joint_names is not None else [f"joint{i + 1}" for i in range(len(screws))]
-    for word, given in (("joint_names", names), ("limits", limits)):
-        if given is not None and len(given) != len(screws):
-            raise RobotDefinitionError("KS205", f"{word} has {len(given)} entries for {len(screws)} screws", "give one each")
+    rows = checked_list(axes, None, "axes", "joint")
+    screws = _ordered(_numeric(rows, (-1, 6), "axes") if rows else np.zeros((0, 6)), order)
+    M = np.eye(4) if home is None else _numeric(checked_pose(home, "home pose"), (4, 4), "home pose")
+    names, bounds = checked_joints(joint_names, limits, len(screws), "screw")
     links, joints = [LinkDescription("base")], []
     for i, screw in enumerate(screws):
-        kind = "prismatic" if not np.any(screw[ANGULAR]) else "helical" if _pitch(screw) else "continuous"
-        lower, upper = limits[i] if limits is not None else (-np.inf, np.inf)
+        turning = "helical" if _pitch(screw) else "continuous" if limits is None else "revolute"
+        kind = turning if np.any(screw[ANGULAR]) else "prismatic"
         placement = M if frame == "body" and i == 0 else np.eye(4)
-        joints.append(JointDescription(names[i], kind, links[-1].name, f"link{i + 1}", placement, screw, lower, upper))
+        joints.append(JointDescription(names[i], kind, links[-1].name, f"link{i + 1}", placement, screw, *bounds[i]))
         links.append(LinkDescription(f"link{i + 1}"))
     last = M if frame == "spatial" or not joints else np.eye(4)
     joints.append(JointDescription("tip_joint", "fixed", links[-1].name, "tool", last))
@@ -122,8 +131,6 @@ def _ordered(screws: Array, order: str | None) -> Array:
     elif order == "angular-linear":
         screws = swapped
     for i, screw in enumerate(screws):
-        if not np.all(np.isfinite(screw)):
-            raise RobotDefinitionError("KS146", f"screw {i + 1} is not finite")
         if not np.any(screw):
             raise RobotDefinitionError("KS211", f"screw {i + 1} is zero")
         if not _is_unit(screw):
@@ -134,13 +141,3 @@ def _ordered(screws: Array, order: str | None) -> Array:
                 "divide by it",
             )
     return screws
-
-
-def _checked_home(M: Array) -> Array:
-    if M.shape != (4, 4):
-        raise RobotDefinitionError("KS212", f"home pose has shape {M.shape}; expected (4, 4)")
-    R, _ = split_pose(M)
-    residual = max(np.abs(R.T @ R - np.eye(3)).max(), abs(np.linalg.det(R) - 1), np.abs(M[3] - [0, 0, 0, 1]).max())
-    if not residual <= 1e-9:
-        raise RobotDefinitionError("KS212", f"home pose is not a rotation and a translation: residual {residual:.3g}")
-    return M

@@ -13,9 +13,10 @@ import numpy as np
 from ..errors import Finding, Place, RobotFileError
 from ..namespaces import Array
 from ..spatial import rpy_to_rotation
-from .checks import checked
+from .arguments import unit_direction
+from .checks import checked, unlimited
 from .description import JointDescription, LinkDescription, Mimic, RobotDescription
-from .paths import resolve
+from .paths import Search
 from .xml import MAX_BYTES, Element, check_name, parse_xml, read_number, read_vector, required
 
 TYPES = ("revolute", "continuous", "prismatic", "fixed")
@@ -173,13 +174,13 @@ def _axis(element: Element, name: str, findings: list[Finding]) -> Array:
     if found is None:
         return np.array([1.0, 0.0, 0.0])  # the default of the URDF specification
     axis = read_vector(found.attributes.get("xyz", "1 0 0"), 3, f"joint {name!r}: axis", found.place)
-    length = float(np.linalg.norm(axis))
-    if length == 0 or not np.isfinite(length):
+    direction, length = unit_direction(axis)
+    if length == 0:
         message = f"joint {name!r}: axis is zero: the joint would look permanently singular"
         raise RobotFileError("KS142", message, 'give a direction, for example xyz="0 0 1"', found.place)
     if abs(length - 1) > 1e-5:
         findings.append(Finding("KS143", f"joint {name!r}: axis normalised from length {length:g}", found.place))
-    return axis / length if length != 1.0 else axis
+    return direction
 
 
 def _limits(element: Element, name: str, kind: str, findings: list[Finding]) -> tuple[float, float, float, float]:
@@ -201,7 +202,7 @@ def _limits(element: Element, name: str, kind: str, findings: list[Finding]) -> 
     if kind == "continuous":
         lower, upper = -np.inf, np.inf
     else:  # the specification's default for a missing bound is 0
-        lower, upper = value("lower", 0.0), value("upper", 0.0)
+        lower, upper = unlimited(value("lower", 0.0), value("upper", 0.0))
     sizes = {word: value(word, np.inf) for word in ("velocity", "effort")}
     for word, size in sizes.items():
         if size == 0:
@@ -252,16 +253,16 @@ def _masses(links: list[LinkDescription], joints: list[JointDescription], findin
 def _meshes(root: Element, folder: Path, roots: Sequence[Path], findings: list[Finding]) -> None:
     """Looks for mesh files, so that a viewer's user learns early what is missing; never opens one."""
     seen: set[str] = set()
+    search = Search(folder, roots)
     for element in root.walk():
         name = element.attributes.get("filename") if element.tag == "mesh" else None
         if not name or name in seen:
             continue
         seen.add(name)
         try:
-            found, tried = resolve(name, folder, roots, element.place)
-        except (RobotFileError, OSError, ValueError) as failure:
-            message = failure.message if isinstance(failure, RobotFileError) else f"mesh {name!r}: {failure}"
-            findings.append(Finding("KS111", message, element.place))
+            found, tried = search.find(name, element.place)
+        except RobotFileError as failure:
+            findings.append(Finding("KS111", failure.message, element.place))
             continue
         if found is None:
             searched = ", ".join(str(path) for path in tried[:4]) or "nowhere (only package://, file:// and relative paths)"

@@ -6,40 +6,62 @@ error with its place.
 
 from __future__ import annotations
 
+import contextlib
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from xml.parsers import expat
 
 import numpy as np
 
 from ..errors import Place, RobotFileError
 from ..namespaces import Array
+from .checks import LARGEST
 
 MAX_BYTES = 64 << 20
 MAX_ELEMENTS = 200_000
 MAX_DEPTH = 64
 MAX_ATTRIBUTE = 4096
-_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|[+-]?(nan|inf|infinity)", re.IGNORECASE)
+_LONG = ("vertex", "face", "point", "texcoord", "qpos", "qvel", "data")  # attributes that hold arrays
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|[+-]?(nan|inf|infinity)", re.IGNORECASE | re.ASCII)
 
 
-@dataclass(frozen=True, eq=False)
 class Element:
-    """One XML element.
+    """One XML element; light, since a file may hold two hundred thousand of them.
 
     Attributes:
         tag: its name; attributes: by name; place: file, line and column of its start; children: in order.
     """
 
-    tag: str
-    attributes: Mapping[str, str]
-    place: Place
-    children: list[Element] = field(default_factory=list)
+    __slots__ = ("_children", "_where", "attributes", "tag")
+
+    def __init__(
+        self, tag: str, attributes: Mapping[str, str], place: tuple[str, int, int], children: list[Element] | None = None
+    ) -> None:
+        self.tag = tag
+        self.attributes = attributes
+        self._where = (
+            place[0],
+            place[1],
+            place[2],
+        )  # a plain tuple, no empty lists: less for the garbage collector
+        self._children = children
+
+    @property
+    def place(self) -> Place:
+        """Where it starts."""
+        return Place(*self._where)
+
+    @property
+    def children(self) -> list[Element]:
+        """The elements directly inside, in order."""
+        if self._children is None:
+            self._children = []
+        return self._children
 
     def all(self, tag: str) -> Iterator[Element]:
         """The children of that name."""
-        return (child for child in self.children if child.tag == tag)
+        return (child for child in self._children or () if child.tag == tag)
 
     def first(self, tag: str) -> Element | None:
         """The first child of that name, or None."""
@@ -51,7 +73,10 @@ class Element:
         while stack:
             element = stack.pop()
             yield element
-            stack.extend(reversed(element.children))
+            stack.extend(reversed(element._children or ()))
+
+    def __repr__(self) -> str:
+        return f"<Element {self.tag!r} at {self.place}>"
 
 
 def check_bytes(data: bytes, file: str, max_bytes: int = MAX_BYTES) -> None:
@@ -89,7 +114,7 @@ def parse_xml(data: bytes, file: str, *, max_bytes: int = MAX_BYTES, max_depth: 
     check_bytes(data, file, max_bytes)
     builder = _Builder(file, max_depth)
     try:
-        builder.parser.Parse(data, True)
+        builder.parse(data)
     except expat.ExpatError as failure:
         reason = expat.ErrorString(failure.code)
         cut = reason in ("unclosed token", "no element found")
@@ -130,11 +155,23 @@ class _Builder:
         self.open: list[Element] = []
         self.count = 0
         self.parser = expat.ParserCreate()
-        self.parser.StartElementHandler = self.start
-        self.parser.EndElementHandler = self.end
+
+    def parse(self, data: bytes) -> None:
+        """Builds the tree; a file that may hold too many elements is counted first, which costs a tenth of building it."""
+        if data.count(b"<") > MAX_ELEMENTS:
+            with contextlib.suppress(expat.ExpatError):  # what is wrong there is said below
+                self.listen(self.counted).Parse(data, True)
+            self.count = 0
+        self.listen(self.start, self.end).Parse(data, True)
+
+    def listen(self, start: Callable[..., None], end: Callable[[str], None] | None = None) -> expat.XMLParserType:
+        """A parser that knows no document types."""
+        self.parser = expat.ParserCreate()
+        self.parser.StartElementHandler, self.parser.EndElementHandler = start, end
         self.parser.StartDoctypeDeclHandler = self.refuse
         self.parser.EntityDeclHandler = self.refuse
         self.parser.ExternalEntityRefHandler = self.refuse
+        return self.parser
 
     def error(self, code: str, message: str, hint: str = "") -> RobotFileError:
         place = Place(self.file, self.parser.CurrentLineNumber, self.parser.CurrentColumnNumber + 1)
@@ -143,19 +180,20 @@ class _Builder:
     def refuse(self, *_: object) -> int:
         raise self.error("KS110", "DOCTYPE/ENTITY is not allowed in a robot file", "delete the <!DOCTYPE ...> block")
 
-    def start(self, tag: str, attributes: dict[str, str]) -> None:
+    def counted(self, *_: object) -> None:
         self.count += 1
         if self.count > MAX_ELEMENTS:
             raise self.error("KS102", f"more than {MAX_ELEMENTS} elements")
+
+    def start(self, tag: str, attributes: dict[str, str]) -> None:
+        self.counted()
         if len(self.open) >= self.max_depth:
             raise self.error("KS103", f"elements nested deeper than {self.max_depth}")
         for name, value in attributes.items():
-            if len(value) > MAX_ATTRIBUTE and not name.startswith(
-                ("vertex", "face", "point", "texcoord", "qpos", "qvel", "data")
-            ):
+            if len(value) > MAX_ATTRIBUTE and not name.startswith(_LONG):
                 raise self.error("KS104", f"attribute {name!r} is {len(value)} characters; the limit is {MAX_ATTRIBUTE}")
-        place = Place(self.file, self.parser.CurrentLineNumber, self.parser.CurrentColumnNumber + 1)
-        element = Element(tag, attributes, place)
+        parser = self.parser
+        element = Element(tag, attributes, (self.file, parser.CurrentLineNumber, parser.CurrentColumnNumber + 1))
         if self.open:
             self.open[-1].children.append(element)
         else:
@@ -181,7 +219,7 @@ def read_number(text: str, what: str, place: Place, infinite: bool = False) -> f
     """One number as robot files write it: decimal point, no separators, finite unless `infinite` is allowed.
 
     Raises:
-        RobotFileError: KS145 not a number, KS146 not finite.
+        RobotFileError: KS145 not a number, KS146 not finite, KS148 too large to compute with.
     """
     word = text.strip()
     if not _NUMBER.fullmatch(word):
@@ -196,6 +234,8 @@ def read_number(text: str, what: str, place: Place, infinite: bool = False) -> f
     value = float(word)
     if math.isnan(value) or (math.isinf(value) and not infinite):
         raise RobotFileError("KS146", f"{what}: {word} is not finite", "give a finite number", place)
+    if abs(value) > LARGEST and not infinite:
+        raise RobotFileError("KS148", f"{what}: {word[:60]} is larger than {LARGEST:g}", "look for a wrong unit", place)
     return value
 
 
@@ -203,7 +243,7 @@ def read_vector(text: str, size: int, what: str, place: Place) -> Array:
     """Exactly `size` finite numbers separated by white space, as float64.
 
     Raises:
-        RobotFileError: KS144 wrong count, KS145, KS146.
+        RobotFileError: KS144 wrong count, KS145, KS146, KS148.
     """
     words = text.split()
     values = [read_number(word, what, place) for word in words]

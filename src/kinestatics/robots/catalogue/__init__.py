@@ -91,7 +91,7 @@ def read_catalogue(name: str) -> RobotDescription:
     links, joints = [LinkDescription(before)], []
     for index, row in enumerate(data["joint"]):
         mount = _pose(data["mount"]) if index == 0 and "mount" in data else np.eye(4)
-        joints.append(_joint(row, data["convention"], before, mount, f"{name}, joint {index + 1}"))
+        joints.append(_joint(row, data["convention"], before, mount))
         links.append(_link(row))
         before = row["link"]
     if (tool := data.get("tool")) is not None:
@@ -121,7 +121,7 @@ def exact_number(value: float | str) -> float:
     return -size if match["sign"] else size
 
 
-def _joint(row: dict[str, Any], convention: str, before: str, mount: Array, where: str) -> JointDescription:
+def _joint(row: dict[str, Any], convention: str, before: str, mount: Array) -> JointDescription:
     letter = row.get("type", "R")
     if convention == "screws":
         pitch = math.inf if letter == "P" else exact_number(row.get("pitch", 0.0))
@@ -131,7 +131,7 @@ def _joint(row: dict[str, Any], convention: str, before: str, mount: Array, wher
         placement = np.eye(4)
     else:
         numbers = [exact_number(row.get(word, 0.0)) for word in ("a", "alpha", "d", "theta")]
-        placement, screw = dh_joint(numbers, letter, convention, where)
+        placement, screw = dh_joint(numbers, letter, convention)
     limits: dict[str, Any] = {
         word: exact_number(row[word]) for word in ("lower", "upper", "velocity", "effort", "home") if word in row
     }
