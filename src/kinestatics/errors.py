@@ -101,13 +101,17 @@ class Finding(NamedTuple):
         return f"{where}warning {self.code}: {self.message}"
 
 
+_COMPARED, _READABLE = 2000, 80  # names, characters
+
+
 def nearest(name: str, names: Iterable[str]) -> str:
     """'did you mean ...' for the closest of `names`, else the list of them; for use as a hint."""
     known = list(names)
-    close = difflib.get_close_matches(name, known, n=3, cutoff=0.6)
+    comparable = [k for k in known[:_COMPARED] if len(k) <= _READABLE]  # the comparison takes time; files may be hostile
+    close = difflib.get_close_matches(name[:_READABLE], comparable, n=3, cutoff=0.6)
     if close:
         return "did you mean " + " or ".join(repr(c) for c in close) + "?"
-    shown = ", ".join(repr(k) for k in known[:12])
+    shown = ", ".join(repr(k[:_READABLE]) for k in known[:12])
     return f"known: {shown}" + (f" and {len(known) - 12} more" if len(known) > 12 else "") if known else ""
 
 

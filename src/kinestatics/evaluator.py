@@ -59,7 +59,7 @@ class Evaluator(Chain):
         task: str | Sequence[str] | Sequence[int] = "auto",
         gravity: Sequence[float] = STANDARD_GRAVITY,
     ) -> None:
-        if model.placements.dtype == object:
+        if model.is_symbolic:
             raise ArrayTypeError(
                 "KS302", f"robot {model.name!r} has symbolic lengths", "use kinestatics.jacobian(arm, symbols)"
             )

@@ -61,7 +61,7 @@ def named_frame(model: RobotModel, frame: Frame) -> Frame:
 
 def _plan(model: RobotModel, at: str, point: Any, frame: Frame | None, relative_to: str | None = None) -> _Plan:
     key = (at, point if type(point) is tuple or point is None else tuple(np.asarray(point).tolist()), frame, relative_to)
-    plans: dict[Any, _Plan] = model.__dict__.setdefault("_plans", {})
+    plans: dict[Any, _Plan] = model.__dict__.get("_plans") or model.__dict__.setdefault("_plans", {})
     if (plan := plans.get(key)) is None:
         plan = _make_plan(model, at, key[1], frame, relative_to)
         if len(plans) >= _CACHED_PLANS:
@@ -88,7 +88,7 @@ def _make_plan(model: RobotModel, at: str, point: Any, frame: Frame | None, rela
 def _chain(model: RobotModel, target: Target) -> Chain | None:
     """The compiled chain, where the kernels write this frame: axes and origin of the base link or of the target."""
     base = model.link(BASE)
-    if model.placements.dtype == object or target.relative_to is not None or target.axes not in (base, target.link):
+    if model.is_symbolic or target.relative_to is not None or target.axes not in (base, target.link):
         return None
     origin_at_base = target.origin == base and not any(target.offset) and target.link != base
     if not origin_at_base and target.origin != target.link:
@@ -111,8 +111,8 @@ def configuration(model: RobotModel, q: Any, check_finite: bool = True, what: st
         ArrayTypeError: KS302.
         ConfigurationError: KS303 wrong shape, KS301 not finite.
     """
-    array, xp = (q, _NUMPY) if type(q) is np.ndarray and q.dtype == np.float64 else as_array(q, what)
-    if model.placements.dtype == object and xp.name != "sympy":
+    array, xp = (q, _NUMPY) if type(q) is np.ndarray and q.dtype is _FLOAT64 else as_array(q, what)
+    if model.is_symbolic and xp.name != "sympy":
         array, xp = _symbolic(array, xp, model)
     if array.ndim < 1 or array.shape[-1] != model.n:
         raise ConfigurationError(
@@ -126,6 +126,7 @@ def configuration(model: RobotModel, q: Any, check_finite: bool = True, what: st
 
 
 _NUMPY = as_array(np.zeros(0))[1]
+_FLOAT64 = np.dtype(np.float64)  # one object in NumPy: compared by identity, which is quick
 
 
 def _symbolic(array: Array, xp: Namespace, model: RobotModel) -> tuple[Array, Namespace]:

@@ -103,6 +103,11 @@ class RobotModel:
         """Number of independent joints: the length of q and the number of columns of the Jacobian."""
         return len(self.joint_names)
 
+    @cached_property
+    def is_symbolic(self) -> bool:
+        """Whether lengths or angles are SymPy expressions."""
+        return bool(self.placements.dtype == object)
+
     @property
     def has_masses(self) -> bool:
         """Whether any link has a mass."""
@@ -207,8 +212,8 @@ class RobotModel:
     def __str__(self) -> str:
         """A table of the joints with their limits."""
         kind = dict(zip(self.moving_names, self.kinds, strict=True))
-        lines = [f"{self.name}: {self.n} joints from {self.base} to {self.tip or '(no tip)'}"]
-        width = max((len(name) for name in self.joint_names), default=5)
+        lines = [f"{self.name}: {self.n} joint{'s' * (self.n != 1)} from {self.base} to {self.tip or '(no tip)'}"]
+        width = max((len(name) for name in (*self.joint_names, *self.frozen)), default=5)
         for i, name in enumerate(self.joint_names):
             limits = f"[{self.lower[i]:.4g}, {self.upper[i]:.4g}]"
             lines.append(f"  {i + 1:2d} {name:{width}s}  {kind[name]:10s}  {limits}")

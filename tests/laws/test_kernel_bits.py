@@ -107,7 +107,7 @@ def test_threads_are_serial(instructions, name):
 @pytest.mark.parametrize("instructions", SETS)
 @pytest.mark.parametrize("name", ["jacobian", "jacobian_rate", "hessian", "pose", "gravity_torques", "joint_torques"])
 def test_large_results_are_small_ones_at_every_alignment(instructions, name):
-    """Results above the streaming size have the bits of small ones at all offsets of a cache line; nothing else is written."""
+    """Results above the streaming size have the bits of small ones at every offset of a cache line, and stay in place."""
     f = Features(seed=21, joints=7, mimic=True)
     model = f.model()
     chain = chain_of(model, body=True)

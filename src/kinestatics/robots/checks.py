@@ -5,8 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Mapping, Sequence
 
+import numpy as np
+
 from ..errors import Finding, Place, RobotFileError, nearest
+from ..namespaces import Array
 from .description import JointDescription, LinkDescription, Mimic, RobotDescription
+
+NOT_YET = ("floating", "planar", "ball", "spherical")
+"""Kinds of joints with several freedoms."""
 
 MAX_JOINTS = 2000
 """In a row, from the base to a tip."""
@@ -57,6 +63,39 @@ def checked(
         tip,
         tuple(notes),
     )
+
+
+def below(
+    links: list[LinkDescription], joints: list[JointDescription], base: str | None, findings: list[Finding]
+) -> tuple[list[LinkDescription], list[JointDescription]]:
+    """Without joints of several freedoms: only what hangs below `base` is kept, and none of them may be left there."""
+    if not any(joint.kind in NOT_YET for joint in joints):
+        return links, joints
+    children: dict[str, list[JointDescription]] = {}
+    for joint in joints:
+        children.setdefault(joint.parent, []).append(joint)
+    kept, stack = {base}, [base]
+    while stack:
+        for joint in children.get(stack.pop() or "", ()):
+            if joint.kind in NOT_YET:
+                message = f"joint {joint.name!r}: type {joint.kind!r} has several freedoms, which is not supported yet"
+                raise RobotFileError("KS140", message, "make it fixed, or pass base= a link behind it", joint.place)
+            if joint.child not in kept:
+                kept.add(joint.child)
+                stack.append(joint.child)
+    findings.append(Finding("KS140", f"only the links below {base!r} are read: a joint of several freedoms lies elsewhere"))
+    return [link for link in links if link.name in kept], [joint for joint in joints if joint.parent in kept]
+
+
+def unsound_inertia(inertia: Array, mass: float, what: str, place: Place | None) -> list[Finding]:
+    """What is wrong with an inertia about the centre of mass; nothing for a point mass."""
+    moments = np.linalg.eigvalsh(inertia)
+    slack = 1e-6 * float(np.abs(moments).max())
+    if moments[0] < -slack or (mass > 0 and moments[0] <= 0 and moments[2] > slack):
+        return [Finding("KS162", f"{what}: inertia is not positive definite", place)]
+    if moments[0] + moments[1] < moments[2] - slack:
+        return [Finding("KS163", f"{what}: no rigid body has this inertia (triangle inequality)", place)]
+    return []
 
 
 def unlimited(lower: float, upper: float) -> tuple[float, float]:

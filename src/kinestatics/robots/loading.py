@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from os import PathLike
 from pathlib import Path
@@ -24,6 +25,7 @@ def load(
     whole_tree: bool = False,
     package_roots: Sequence[str | PathLike[str]] = (),
     allow_xacro: bool = False,
+    max_bytes: int | None = None,
 ) -> RobotModel:
     """A robot from the catalogue, or from a URDF, MJCF or xacro file.
 
@@ -31,13 +33,15 @@ def load(
     or zero position; what hangs on them keeps its place and its mass. No network is used, and meshes are never read.
 
     Args:
-        name_or_path: "ur5e" (see `kinestatics robots`), or a path to .urdf, .xml (MJCF or URDF), .xacro.
+        name_or_path: "ur5e" (see `kinestatics robots`), or a path to .urdf, .xml (MJCF or URDF), .xacro. A catalogue
+            name goes before a file of that name, which is reached as "./ur5e".
         base: link to start from; any link may be named. Default the root.
         tip: link whose motion is asked for; any link may be named. Default the only one at the end of a branch.
         joints: joints to hold, {name: value} [rad or m].
         whole_tree: make every moving joint a column of the Jacobian, on the path or not.
         package_roots: folders in which package:// paths may be looked up, besides the model's own.
         allow_xacro: expand a xacro file. It can run code: only for files you trust.
+        max_bytes: largest URDF file to read, default 64 MiB.
 
     Raises:
         UnknownNameError: no such robot, link or joint (with the nearest names).
@@ -52,20 +56,25 @@ def load(
     """
     path = Path(name_or_path)
     text = str(name_or_path)
-    if path.suffix.lower() in SUFFIXES or path.is_file():
-        description = _read_file(path, base, tuple(Path(root) for root in package_roots), allow_xacro)
-    elif text in catalogue_names():
+    if text == path.stem and text in catalogue_names():
         description = read_catalogue(text)
+    elif path.suffix.lower() in SUFFIXES or os.path.isfile(path):
+        roots = tuple(Path(root) for root in package_roots)
+        description = _read_file(path, base, roots, allow_xacro, max_bytes)
     else:
         hint = nearest(text, catalogue_names())
         raise UnknownNameError(
-            "KS312", f"no file and no catalogue robot {text!r}", f"{hint} (`kinestatics robots` lists all)"
+            "KS312", f"no file and no catalogue robot {text[:200]!r}", f"{hint} (`kinestatics robots` lists all)"
         )
     return assemble(description, base, tip, joints, whole_tree)
 
 
-def _read_file(path: Path, base: str | None, roots: tuple[Path, ...], allow_xacro: bool) -> RobotDescription:
-    if not path.is_file():
+def _read_file(
+    path: Path, base: str | None, roots: tuple[Path, ...], allow_xacro: bool, max_bytes: int | None
+) -> RobotDescription:
+    if os.path.isdir(path):
+        raise RobotFileError("KS109", "is a folder, not a file", "name the file in it", Place(str(path)))
+    if not os.path.isfile(path):  # not Path.is_file: it raises for names that are too long
         beside = (
             sorted(p.name for p in path.parent.glob("*") if p.suffix.lower() in SUFFIXES) if path.parent.is_dir() else []
         )
@@ -81,12 +90,16 @@ def _read_file(path: Path, base: str | None, roots: tuple[Path, ...], allow_xacr
 
         return read_mjcf(path, package_roots=roots, base=base)
     from .urdf import read_urdf
+    from .xml import MAX_BYTES
 
-    return read_urdf(path, package_roots=roots, base=base)
+    return read_urdf(path, package_roots=roots, base=base, max_bytes=MAX_BYTES if max_bytes is None else max_bytes)
 
 
 def _is_mjcf(path: Path) -> bool:
     """Whether the root element is MuJoCo's; a file that is neither is left to the strict reader to refuse."""
-    with path.open("rb") as file:
-        head = file.read(1 << 16)
+    try:
+        with path.open("rb") as file:
+            head = file.read(1 << 16)
+    except OSError as failure:
+        raise RobotFileError("KS109", f"cannot be read: {failure.strerror}", "", Place(str(path))) from None
     return b"<robot" not in head and (b"<mujoco" in head or path.suffix.lower() == ".mjcf")

@@ -16,12 +16,11 @@ import numpy as np
 
 from ..errors import Place, RobotFileError
 from .bounded import Limits, package_folder, run_bounded
-from .checks import checked
+from .checks import NOT_YET, below, checked
 from .description import JointDescription, RobotDescription
 from .mjcf_extras import settle_masses, with_couplings, with_efforts, with_home
 from .mjcf_source import Source, read_source
 from .mjcf_tree import Names, default_tip, joints_of, links_of, sites_of
-from .urdf import NOT_YET, _below
 
 LIMITS = Limits(processor=20, wall=30.0, memory=4 << 30)
 _NUMBERS = ("position", "quaternion", "mass", "center", "axes", "inertia", "anchor", "axis", "reference")
@@ -91,7 +90,7 @@ def _describe(answer: dict[str, Any], source: Source, base: str | None) -> Robot
     joints = with_home(joints, index, answer, source, findings)
     links = settle_masses(links_of(answer, names, source), answer, names, base, findings)
     site_links, site_joints = sites_of(answer, names, source)
-    links, joints = _below([*links, *between, *site_links], [*joints, *site_joints], base, findings)
+    links, joints = below([*links, *between, *site_links], [*joints, *site_joints], base, findings)
     tip = default_tip(answer, names)
     tip = tip if tip in {link.name for link in links} else None
     return checked(source.name, links, joints, source=str(source.path), base=base, findings=findings, tip=tip)

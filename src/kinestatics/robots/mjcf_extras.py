@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import Finding, Place, RobotFileError, nearest
-from .checks import leaders
+from .checks import leaders, unsound_inertia
 from .description import JointDescription, LinkDescription, Mimic
 from .mjcf_source import Source
 from .mjcf_tree import Names
@@ -144,7 +144,7 @@ def settle_masses(
         if i in jointed or (i and body["parent"] in moving):
             moving.add(i)
         if body["own_inertia"]:
-            findings.extend(_unsound(link))
+            findings.extend(unsound_inertia(link.inertia, link.mass, f"link {link.name!r}", link.place))
         if body["mass_unknown"] and i:
             unknown.append(i)
             why = answer.get("mesh_trouble", "").partition("\n")[0] or "the mesh that gives it is missing"
@@ -156,17 +156,3 @@ def settle_masses(
         findings.append(Finding("KS165", "masses are left out: one that counts is unknown", links[unknown[0]].place))
         return [replace(link, mass=0.0, inertia=np.zeros((3, 3))) for link in links]
     return list(links)
-
-
-def _unsound(link: LinkDescription) -> list[Finding]:
-    """What is wrong with an inertia that MuJoCo would have refused; no finding for a point mass."""
-    moments = np.linalg.eigvalsh(link.inertia)
-    slack = 1e-6 * float(np.abs(moments).max())
-    if slack == 0:
-        return []
-    if moments[0] <= 0:
-        return [Finding("KS162", f"link {link.name!r}: inertia is not positive definite", link.place)]
-    if moments[0] + moments[1] < moments[2] - slack:
-        message = f"link {link.name!r}: no rigid body has this inertia (triangle inequality)"
-        return [Finding("KS163", message, link.place)]
-    return []

@@ -17,7 +17,7 @@ from xml.sax.saxutils import quoteattr
 
 from ..errors import Finding, Place, RobotFileError
 from .paths import resolve
-from .xml import MAX_BYTES, MAX_ELEMENTS, Element, numbers_in, parse_xml, read_number, required
+from .xml import MAX_ELEMENTS, Element, numbers_in, parse_xml, read_file, read_number, required
 
 MAX_DEPTH = 256
 MAX_GENERATED = 20_000
@@ -98,14 +98,7 @@ def _read(path: Path, source: Source) -> Element:
     source.files += 1
     if source.files > MAX_FILES:
         raise RobotFileError("KS108", f"the model takes more than {MAX_FILES} files", "", Place(str(path)))
-    try:
-        size = path.stat().st_size
-        data = path.read_bytes() if size <= MAX_BYTES else b""
-    except OSError as failure:
-        raise RobotFileError("KS109", f"cannot be read: {failure.strerror}", "", Place(str(path))) from None
-    if size > MAX_BYTES:
-        raise RobotFileError("KS101", f"file is {size} bytes; the limit is {MAX_BYTES}", "", Place(str(path)))
-    return parse_xml(data, str(path), max_depth=MAX_DEPTH)
+    return parse_xml(read_file(path), str(path), max_depth=MAX_DEPTH)
 
 
 def _prepare(root: Element, path: Path, source: Source) -> str:

@@ -10,17 +10,16 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import Finding, Place, RobotFileError
+from ..errors import Finding, RobotFileError
 from ..namespaces import Array
 from ..spatial import rpy_to_rotation
 from .arguments import unit_direction
-from .checks import checked, unlimited
+from .checks import NOT_YET, below, checked, unlimited, unsound_inertia
 from .description import JointDescription, LinkDescription, Mimic, RobotDescription
 from .paths import Search
-from .xml import MAX_BYTES, Element, check_name, parse_xml, read_number, read_vector, required
+from .xml import MAX_BYTES, Element, check_name, parse_xml, read_file, read_number, read_vector, required
 
 TYPES = ("revolute", "continuous", "prismatic", "fixed")
-NOT_YET = ("floating", "planar", "ball", "spherical")
 
 
 def read_urdf(
@@ -37,15 +36,7 @@ def read_urdf(
     Raises:
         RobotFileError: KS100-KS180, with file, line and column.
     """
-    try:
-        size = path.stat().st_size
-        data = path.read_bytes() if size <= max_bytes else b" " * 0
-    except OSError as failure:
-        raise RobotFileError("KS109", f"cannot be read: {failure.strerror}", "", Place(str(path))) from None
-    if size > max_bytes:
-        raise RobotFileError(
-            "KS101", f"file is {size} bytes; the limit is {max_bytes}", "pass max_bytes=...", Place(str(path))
-        )
+    data = read_file(path, max_bytes)
     return parse_urdf(data, str(path), package_roots=package_roots, base=base, max_bytes=max_bytes)
 
 
@@ -67,7 +58,7 @@ def parse_urdf(
     if not links:
         raise RobotFileError("KS121", "robot has no <link>", "", root.place)
     joints = _joints(root, base, findings)
-    links, joints = _below(links, joints, base, findings)
+    links, joints = below(links, joints, base, findings)
     _masses(links, joints, findings)
     _meshes(root, Path(file).parent, package_roots, findings)
     return checked(name, links, joints, source=file, base=base, findings=findings)
@@ -120,12 +111,7 @@ def _inertia(inertial: Element, what: str, mass: float, findings: list[Finding])
 
     xx, yy, zz, xy, xz, yz = (entry(word) for word in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz"))
     matrix = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    moments = np.linalg.eigvalsh(matrix)
-    slack = 1e-6 * float(np.abs(moments).max())
-    if moments[0] < -slack or (mass > 0 and moments[0] <= 0 and moments[2] > slack):
-        findings.append(Finding("KS162", f"{what}: inertia is not positive definite", element.place))
-    elif moments[0] + moments[1] < moments[2] - slack:
-        findings.append(Finding("KS163", f"{what}: no rigid body has this inertia (triangle inequality)", element.place))
+    findings.extend(unsound_inertia(matrix, mass, what, element.place))
     return matrix
 
 
@@ -219,28 +205,6 @@ def _mimic(element: Element, name: str) -> Mimic | None:
     multiplier = read_number(mimic.attributes.get("multiplier", "1"), f"{what} multiplier", mimic.place)
     offset = read_number(mimic.attributes.get("offset", "0"), f"{what} offset", mimic.place)
     return Mimic(required(mimic, "joint", what), multiplier, offset)
-
-
-def _below(
-    links: list[LinkDescription], joints: list[JointDescription], base: str | None, findings: list[Finding]
-) -> tuple[list[LinkDescription], list[JointDescription]]:
-    """Without joints of several freedoms: only what hangs below `base` is kept, and none of them may be left there."""
-    if not any(joint.kind in NOT_YET for joint in joints):
-        return links, joints
-    children: dict[str, list[JointDescription]] = {}
-    for joint in joints:
-        children.setdefault(joint.parent, []).append(joint)
-    kept, stack = {base}, [base]
-    while stack:
-        for joint in children.get(stack.pop() or "", ()):
-            if joint.kind in NOT_YET:
-                message = f"joint {joint.name!r}: type {joint.kind!r} has several freedoms, which is not supported yet"
-                raise RobotFileError("KS140", message, "make it fixed, or pass base= a link behind it", joint.place)
-            if joint.child not in kept:
-                kept.add(joint.child)
-                stack.append(joint.child)
-    findings.append(Finding("KS140", f"only the links below {base!r} are read: a joint of several freedoms lies elsewhere"))
-    return [link for link in links if link.name in kept], [joint for joint in joints if joint.parent in kept]
 
 
 def _masses(links: list[LinkDescription], joints: list[JointDescription], findings: list[Finding]) -> None:

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from ..errors import Place, RobotFileError
 from .bounded import Limits, package_folder, run_bounded
-from .xml import MAX_BYTES, parse_xml
+from .xml import MAX_BYTES, parse_xml, read_file
 
 LIMITS = Limits(processor=10, wall=12.0, memory=512 << 20)
 MARKERS = ("package.xml", "manifest.xml")
@@ -42,7 +42,7 @@ def expand_xacro(path: Path, *, allow_xacro: bool, package_roots: Sequence[Path]
     if not allow_xacro:
         hint = "use allow_xacro=True (in a shell --allow-xacro) for files you trust"
         raise RobotFileError("KS113", "xacro files can run code", hint, place)
-    _check(path, place)
+    _check(path)
     folder = path.resolve().parent
     packages = _packages_above(folder)
     request = {
@@ -60,16 +60,9 @@ def expand_xacro(path: Path, *, allow_xacro: bool, package_roots: Sequence[Path]
     raise RobotFileError(CODES[str(kind)], f"xacro: {answer.get('message')}", HINTS[str(kind)], place)
 
 
-def _check(path: Path, place: Place) -> None:
+def _check(path: Path) -> None:
     """The file itself, before anything is evaluated: size, encoding, document types, nesting."""
-    try:
-        size = path.stat().st_size
-        data = path.read_bytes() if size <= MAX_BYTES else b""
-    except OSError as failure:
-        raise RobotFileError("KS109", f"cannot be read: {failure.strerror}", "", place) from None
-    if size > MAX_BYTES:
-        raise RobotFileError("KS101", f"file is {size} bytes; the limit is {MAX_BYTES}", "", place)
-    parse_xml(data, str(path))
+    parse_xml(read_file(path), str(path))
 
 
 def _packages_above(folder: Path) -> dict[str, str]:

@@ -10,6 +10,7 @@ import contextlib
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
 from xml.parsers import expat
 
 import numpy as np
@@ -22,7 +23,10 @@ MAX_BYTES = 64 << 20
 MAX_ELEMENTS = 200_000
 MAX_DEPTH = 64
 MAX_ATTRIBUTE = 4096
-_LONG = ("vertex", "face", "point", "texcoord", "qpos", "qvel", "data")  # attributes that hold arrays
+_LONG = (  # beginnings of the names of attributes that hold arrays
+    *("vertex", "vertid", "face", "point", "texcoord", "normal", "node", "element", "body", "weight"),
+    *("qpos", "qvel", "data", "elevation"),
+)
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|[+-]?(nan|inf|infinity)", re.IGNORECASE | re.ASCII)
 
 
@@ -77,6 +81,23 @@ class Element:
 
     def __repr__(self) -> str:
         return f"<Element {self.tag!r} at {self.place}>"
+
+
+def read_file(path: Path, max_bytes: int = MAX_BYTES) -> bytes:
+    """The bytes of a file that is not too large.
+
+    Raises:
+        RobotFileError: KS101 too large, KS109 cannot be read.
+    """
+    try:
+        size = path.stat().st_size
+        data = path.read_bytes() if size <= max_bytes else b""
+    except OSError as failure:
+        raise RobotFileError("KS109", f"cannot be read: {failure.strerror}", "", Place(str(path))) from None
+    if size > max_bytes:
+        hint = "pass max_bytes=..."
+        raise RobotFileError("KS101", f"file is {size} bytes; the limit is {max_bytes}", hint, Place(str(path)))
+    return data
 
 
 def check_bytes(data: bytes, file: str, max_bytes: int = MAX_BYTES) -> None:
