@@ -40,7 +40,8 @@ class BuildKernels(build_ext):
 
     def build_extension(self, ext):
         sanitize = os.environ.get("KINESTATICS_SANITIZE")
-        extra = [f"-fsanitize={sanitize}", "-fno-omit-frame-pointer", "-g", "-O1"] if sanitize else ["-g0"]  # a tenth of the size
+        checks = [f"-fsanitize={sanitize}", "-fno-omit-frame-pointer", "-g", "-O1"]
+        extra = checks if sanitize else ["-g0"]  # without debugging symbols: a tenth of the size
         include, objects = [numpy.get_include(), *self.include_dirs], []
         try:
             for name, flags in INSTRUCTION_SETS.items():
