@@ -85,7 +85,7 @@ def folded_by_pinocchio(path):
 
 
 def test_mimic_joints_agree_with_pinocchio_itself():
-    """Where Pinocchio folds mimic joints by its own means, its Jacobians of all links are ours; it does so for most files."""
+    """Where Pinocchio folds mimic joints by its own means, its Jacobians of all links are ours; it can for most files."""
     files = [path for path in FILES if path.name not in REFUSED and followers(path)]
     judges = {path: judge for path in files if (judge := folded_by_pinocchio(path)) is not None}
     assert len(judges) >= len(files) / 2 >= 4
