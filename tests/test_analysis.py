@@ -394,10 +394,9 @@ def test_unknown_rows_are_refused(task):
 
 
 def test_no_rows_at_all():
-    """An empty task, and an arm without joints: rank 0, nothing lost, no verdict of singular, and it prints."""
-    a = ks.analyze(ks.load("ur5e"), task=[])
-    assert (a.rank, a.is_singular, a.lost_twists) == (0, False, ())
-    assert "(none)" in str(a)
+    """An empty task is refused; an arm without joints has rank 0, nothing lost, and prints."""
+    with pytest.raises(ks.UnknownNameError, match="KS318"):
+        ks.analyze(ks.load("ur5e"), task=[])
     still = ks.analyze(ks.load("ur5e", base="base", tip="base"))
     assert (still.rank, still.joints, still.manipulability) == (0, (), 0.0)
     assert str(still)

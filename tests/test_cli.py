@@ -268,6 +268,7 @@ def test_package_roots_and_xacro_options_are_passed_on(shell, tmp_path):
         (["jacobian", "ur5e", "--axes", "forarm_link"], ["KS310", "'forearm_link'"]),
         (["jacobian", "ur5e", "--origin", ""], ["KS310"]),
         (["jacobian", "ur5e", "--convention", "pinocchio.world"], ["KS315", "'pinocchio.WORLD'"]),
+        (["jacobian", "ur5e", "--axes", "tip", "--convention", "pinocchio.WORLD"], ["KS319", "leave out"]),
         (["robots", "extra"], ["extra"]),
     ],
 )
@@ -447,3 +448,11 @@ def test_the_commands_themselves_are_light():
     )
     found = subprocess.run([sys.executable, "-c", code, folder], capture_output=True, text=True, check=True).stdout
     assert found.split() == []
+
+
+def test_a_convention_says_axes_and_origin_itself(done):
+    """--convention with --axes or --origin is refused, and the output says what the convention means."""
+    text = done("jacobian", "ur5e", "--convention", "pinocchio.WORLD")
+    assert text.splitlines()[0] == "pinocchio.WORLD: linear-angular rows, axes of base, at the origin of base, 6 x n"
+    said = strict(done("jacobian", "ur5e", "--convention", "modern_robotics.body", "--json"))
+    assert (said["order"], said["axes"], said["origin"]) == ("angular-linear", "tip", "tip")

@@ -281,7 +281,10 @@ def test_a_chain_refuses_bytes_that_do_not_fit():
         (joints.tobytes(), *good[1:]),
         (good[0][:-1], *good[1:]),
         (*good[:5], b"", *good[6:]),
-        (*good[:7], b"\xff" * 4),
+        (*good[:7], b"\xff" * 4, good[8]),
+        (*good[:7], good[7][:-1], good[8]),
+        (*good[:8], 7),
+        (*good[:8], -1),
     ):
         with pytest.raises(ValueError, match=r"do not fit|out of range|whole number"):
             ks.kernels.Chain(*bad)

@@ -403,3 +403,21 @@ def test_hostile_file_in_a_shell(tmp_path, name):
     assert done.returncode == 2
     assert f"error {CODES[name]}: " in done.stderr
     assert "Traceback" not in done.stderr + done.stdout
+
+
+def test_home_is_where_mujoco_starts(tmp_path):
+    """Without a keyframe "home" joints start, and are held, at their reference; what is left out of the file is a finding."""
+    path = tmp_path / "m.xml"
+    path.write_text(
+        """<mujoco><compiler angle="radian"/><option gravity="0 0 -1.62"/><worldbody><body name="a" gravcomp="1">
+        <joint name="j" axis="0 1 0" ref="0.5" stiffness="3"/><geom type="sphere" size="0.1" mass="1" pos="1 0 0"/>
+        <body name="b"><joint name="s" type="slide" axis="1 0 0" ref="0.2"/><geom type="sphere" size="0.1" mass="1"/></body>
+        <body name="c" pos="0 0 1"><joint name="side" axis="0 1 0" ref="0.7"/><geom type="sphere" size="0.1" mass="2" pos="1 0 0"/>
+        </body></body></worldbody></mujoco>""",
+        encoding="utf-8",
+    )
+    arm = ks.load(path, tip="b")
+    assert dict(zip(arm.joint_names, arm.home, strict=True)) == {"j": 0.5, "s": 0.2}
+    assert arm.frozen == {"side": 0.7}
+    assert [finding.code for finding in arm.findings] == ["KS176", "KS177", "KS178"]
+    assert "gravity=(0, 0, -1.62)" in arm.findings[0].message

@@ -122,7 +122,7 @@ def test_a_jacobian_times_rates_is_a_twist():
     V = J @ QD
     assert V.frame == J.frame
     np.testing.assert_allclose(np.r_[V.linear, V.angular], J.array @ QD, atol=1e-15)
-    many = J @ np.stack([QD, 2 * QD])
+    many = J.twist(np.stack([QD, 2 * QD]))
     np.testing.assert_allclose(many.array[1], 2 * V.array, atol=1e-15)
     for rates in (QD[:5], np.zeros((6, 5)), 1.0):
         with pytest.raises(ks.ConfigurationError, match="KS303"):

@@ -24,6 +24,7 @@ from .spatial import pose_matrix, rotate
 
 LARGE = 1e6
 """Above this |q| one unit in the last place is more than 1e-10 rad; a warning says so."""
+_TWO_TURNS = 4 * np.pi
 _CACHED_PLANS = 128
 
 
@@ -53,14 +54,41 @@ class Locator:
         return named, R, p, xp
 
 
+def require_model(model: Any) -> None:
+    """Raises ArrayTypeError (KS302) unless the first argument is a robot."""
+    if not isinstance(model, RobotModel):
+        hint = 'arm = ks.load("ur5e") or ks.load("robot.urdf"); then ks.jacobian(arm, q)'
+        raise ArrayTypeError("KS302", f"the first argument is a {type(model).__name__}; expected a RobotModel", hint)
+
+
+def checked_point(point: Any) -> tuple[float, float, float]:
+    """Three finite numbers.
+
+    Raises:
+        ConfigurationError: KS303.
+    """
+    try:
+        x, y, z = (float(value) for value in point)
+    except (TypeError, ValueError):
+        x = y = z = np.nan
+    if not np.all(np.isfinite((x, y, z))):
+        raise ConfigurationError("KS303", f"point {point!r} is not 3 finite numbers", "metres, in the axes of the link")
+    return x, y, z
+
+
 def named_frame(model: RobotModel, frame: Frame) -> Frame:
     """The frame with "base" and "tip" replaced by link names."""
+    if not isinstance(frame, Frame):
+        hint = "ks.Frame.body(), ks.Frame.spatial(), or ks.Frame(axes, origin)"
+        raise ArrayTypeError("KS302", f"frame is a {type(frame).__name__}; expected a Frame", hint)
     axes, origin = model.link_name(model.link(frame.axes)), model.link_name(model.link(frame.origin))
     return Frame(axes, origin, tuple(float(x) for x in frame.offset))  # type: ignore[arg-type]
 
 
 def _plan(model: RobotModel, at: str, point: Any, frame: Frame | None, relative_to: str | None = None) -> _Plan:
-    key = (at, point if type(point) is tuple or point is None else tuple(np.asarray(point).tolist()), frame, relative_to)
+    if not isinstance(model, RobotModel):
+        require_model(model)
+    key = (at, point if point is None else checked_point(point), frame, relative_to)
     plans: dict[Any, _Plan] = model.__dict__.get("_plans") or model.__dict__.setdefault("_plans", {})
     if (plan := plans.get(key)) is None:
         plan = _make_plan(model, at, key[1], frame, relative_to)
@@ -72,9 +100,7 @@ def _plan(model: RobotModel, at: str, point: Any, frame: Frame | None, relative_
 
 def _make_plan(model: RobotModel, at: str, point: Any, frame: Frame | None, relative_to: str | None) -> _Plan:
     link = model.link(at)
-    offset = (0.0, 0.0, 0.0) if point is None else point
-    if len(offset) != 3 or not all(np.isfinite(x) for x in offset):
-        raise ConfigurationError("KS303", f"point {point!r} is not 3 finite numbers", "metres, in the axes of the link")
+    offset = (0.0, 0.0, 0.0) if point is None else checked_point(point)
     if frame is None:
         frame = Frame(BASE if relative_to is None else relative_to, at, offset)
     elif point is not None and model.link(frame.origin) == link:
@@ -145,11 +171,10 @@ def _check_values(model: RobotModel, q: Array, what: str) -> None:
     most = _core.largest(q)
     if most is None:
         most = float(np.abs(q).max(initial=0.0))
-    if most <= LARGE:
+    if most <= _TWO_TURNS:
         return
     if np.isfinite(most):
-        if what == "q":
-            message = f"KS308: |q| reaches {most:.3g}; angles this large are only known to {np.spacing(most):.1g} rad"
+        if what == "q" and (message := _doubt(model, q, most)):
             warnings.warn(message, KinestaticsWarning, stacklevel=4)
         return
     where = np.argwhere(~np.isfinite(q))[0]
@@ -159,6 +184,19 @@ def _check_values(model: RobotModel, q: Array, what: str) -> None:
         f"{what}[{index}] (joint {model.joint_names[where[-1]]!r}) is {q[tuple(where)]}",
         "pass finite numbers; check_finite=False lets them through and gives NaN",
     )
+
+
+def _doubt(model: RobotModel, q: Array, most: float) -> str:
+    """What a large but finite q was probably not meant to be; empty where it may well be meant."""
+    if most > LARGE:
+        return f"KS308: |q| reaches {most:.3g}; angles this large are only known to {np.spacing(most):.1g} rad"
+    angles = np.array([k != "prismatic" for k in model.joint_kinds], dtype=bool)
+    limited = angles & (np.abs(model.lower) <= _TWO_TURNS) & (np.abs(model.upper) <= _TWO_TURNS)
+    far = limited & np.any(np.abs(q.reshape(-1, model.n)) > _TWO_TURNS, axis=0)
+    if not np.any(far):
+        return ""
+    joint = model.joint_names[int(np.argmax(far))]
+    return f"KS321: |q| reaches {most:.3g}, far outside the limits of joint {joint!r}: degrees? Angles are radians"
 
 
 def _own(q: Array, given: Any) -> Array:
@@ -299,7 +337,8 @@ def hessian(
     Returns:
         Hessian with array (..., 6, n, n).
 
-    Law: columns of the spatial Jacobian obey ∂S_j/∂q_k = [S_k, S_j]. Source: MLS section 2.3.
+    Law: columns of the spatial Jacobian obey ∂S_j/∂q_k = [S_k, S_j] where joint k carries joint j, else 0.
+    Source: MLS section 2.3.
 
     Example:
         >>> import kinestatics as ks

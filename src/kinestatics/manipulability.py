@@ -39,7 +39,7 @@ def singular_values(rows: Any) -> Array:
 
 
 def manipulability(rows: Any) -> Array:
-    """Yoshikawa's measure w = σ1 ... σk, the volume of the velocity ellipsoid but for a constant: √det(J Jᵀ).
+    """Yoshikawa's measure w = σ1 ... σk, the volume of the velocity ellipsoid but for a constant.
 
     Args:
         rows: (..., r, n), for example J.linear.
@@ -47,6 +47,7 @@ def manipulability(rows: Any) -> Array:
     Returns:
         (...), in the product of the rows' units.
 
+    Law: w = √det(J Jᵀ) where J has at most as many rows as columns; √det(Jᵀ J) where it has more.
     Source: Yoshikawa, "Manipulability of robotic mechanisms", IJRR 4(2), 1985; note 000.
 
     Example:

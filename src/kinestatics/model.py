@@ -21,6 +21,10 @@ from .namespaces import Array
 _ARRAYS = ("placements", "screws", "multipliers", "offsets", "link_placements", "masses", "centers_of_mass", "inertias")
 
 
+_NO_LIMIT = 1e6
+"""Some files write "no limit" as a large number; from here on [rad or m] one is taken for none when sampling."""
+
+
 def _read_only(value: Array) -> Array:
     array = np.array(value, dtype=None if np.asarray(value).dtype == object else np.float64)
     array.setflags(write=False)
@@ -104,6 +108,12 @@ class RobotModel:
         return len(self.joint_names)
 
     @cached_property
+    def joint_kinds(self) -> tuple[str, ...]:
+        """(n) "revolute", "continuous", "prismatic" or "helical" for each independent joint."""
+        kinds = dict(zip(self.moving_names, self.kinds, strict=True))
+        return tuple(kinds.get(name, "revolute") for name in self.joint_names)
+
+    @cached_property
     def is_symbolic(self) -> bool:
         """Whether lengths or angles are SymPy expressions."""
         return bool(self.placements.dtype == object)
@@ -125,6 +135,8 @@ class RobotModel:
         Raises:
             UnknownNameError: KS310, with the nearest names; KS311 when the model has no tip.
         """
+        if not isinstance(name, str):
+            raise UnknownNameError("KS310", f"{name!r} is not the name of a link", nearest("", self.link_names))
         if name == BASE:
             return self._link_index[self.base]
         if name == TIP and (self.tip is not None or TIP not in self._link_index):
@@ -191,8 +203,8 @@ class RobotModel:
         for column, kind in zip(self.columns, self.kinds, strict=True):
             turns[column] |= kind != "prismatic"
         reach = np.where(turns, np.pi, 1.0)
-        lower = np.where(np.isfinite(self.lower), self.lower, -reach)
-        upper = np.where(np.isfinite(self.upper), self.upper, reach)
+        lower = np.where(np.abs(self.lower) < _NO_LIMIT, self.lower, -reach)
+        upper = np.where(np.abs(self.upper) < _NO_LIMIT, self.upper, reach)
         lower, upper = np.minimum(lower, upper), np.maximum(lower, upper)
         if seed < 0 or count < 0:
             raise ConfigurationError("KS309", f"count {count} or seed {seed} is negative", "give whole numbers from 0 on")

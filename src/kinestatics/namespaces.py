@@ -112,7 +112,9 @@ def as_array(value: Any, what: str = "q") -> tuple[Array, Namespace]:
     if kind in ("jax", "jaxlib"):
         return value, _jax_namespace()
     if kind == "torch":
-        return value, _torch_namespace()
+        if value.is_complex():
+            raise ArrayTypeError("KS302", f"{what} is a complex tensor", "pass real numbers")
+        return (value if value.is_floating_point() else value.double()), _torch_namespace()
     if isinstance(value, np.ma.MaskedArray):
         raise ArrayTypeError("KS302", f"{what} is a masked array", "fill it first: array.filled(...)")
     array = np.asarray(value)

@@ -13,7 +13,7 @@ from typing import Any, NoReturn, Self
 import numpy as np
 
 from .conventions import ANGULAR_FIRST, FLAT_COLUMNS, LINEAR_FIRST, ORDERS, TWO_ARRAYS, find_convention
-from .errors import ConfigurationError, FrameMismatchError, UnknownNameError
+from .errors import ArrayTypeError, ConfigurationError, FrameMismatchError, UnknownNameError
 from .frames import Frame
 from .namespaces import Array, Namespace, as_array
 from .spatial import (
@@ -110,6 +110,16 @@ def wrapped(label: str, text: str, hang: int = 0) -> str:
     return filled.replace(TIED, " ")
 
 
+def check_batches(first: str, a: Any, second: str, b: Any) -> None:
+    """Raises ConfigurationError (KS303) unless two batch shapes go together."""
+    try:
+        np.broadcast_shapes(tuple(a), tuple(b))
+    except ValueError:
+        raise ConfigurationError(
+            "KS303", f"{first} has batch axes {tuple(a)}, {second} {tuple(b)}", "give both the same, or one of them none"
+        ) from None
+
+
 class Pose(_Frozen):
     """Axes and origin of a link, seen from another: T_base_link, (..., 4, 4) [m].
 
@@ -146,6 +156,8 @@ class Pose(_Frozen):
     @property
     def rpy(self) -> tuple[float, float, float]:
         """Roll, pitch, yaw [rad] of one pose: R = Rz(yaw) Ry(pitch) Rx(roll), as in URDF."""
+        if self.array.ndim != 2:
+            raise ConfigurationError("KS303", f"rpy of a batch of shape {tuple(self.array.shape)}", "loop over the poses")
         return rotation_to_rpy(_numeric(self.rotation))
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> Array:
@@ -404,6 +416,9 @@ class Jacobian(JacobianMatrix):
             >>> J.to_array(convention="modern_robotics.space")[2]
             array([1., 1.])
         """
+        if convention is not None and (frame is not None or order != LINEAR_FIRST):
+            message = f"convention {convention!r} already says order and frame"
+            raise ConfigurationError("KS319", message, "leave out order= and frame=, or the convention")
         if convention is None:
             written = self if frame is None else self.change_frame(frame)
             return _reordered(written.array, order, -2)
@@ -432,12 +447,33 @@ class Jacobian(JacobianMatrix):
             )
 
     def __matmul__(self, qd: Any) -> Twist:
-        """The twist of the link at joint rates qd, (..., n) [rad/s or m/s]."""
+        """The twist of the link at joint rates qd: (n), or (..., n) with the batch axes of J [rad/s or m/s].
+
+        It is no matrix product: for that, and for one J with many rates, take np.asarray(J) or `twist`.
+        """
+        if np.ndim(qd) not in (1, self.array.ndim - 1):
+            expected, found = (*self.shape[:-2], self.shape[-1]), tuple(np.shape(qd))
+            hint = "J.twist(rates) takes a batch of rates; np.asarray(J) @ B is the matrix product"
+            raise ConfigurationError("KS303", f"J @ takes joint rates of shape {expected}, got {found}", hint)
+        return self.twist(qd)
+
+    def twist(self, qd: Any) -> Twist:
+        """The twist of the link at joint rates qd, (..., n) [rad/s or m/s]; one J goes with any batch of rates.
+
+        Example:
+            >>> import kinestatics as ks
+            >>> ks.jacobian(ks.load("planar_2r"), [0.0, 0.0]).twist([[1, 0], [0, 1]]).linear
+            array([[0., 2., 0.],
+                   [0., 1., 0.]])
+        """
+        if isinstance(qd, _Frozen):
+            raise ArrayTypeError("KS302", f"joint rates are given as a {type(qd).__name__}", "pass n rates, one a joint")
         rates, xp = as_array(qd, "qd")
         if rates.shape[-1:] != (len(self.joint_names),):
             raise ConfigurationError("KS303", f"qd has shape {tuple(rates.shape)}; expected (..., {len(self.joint_names)})")
         if xp.name == "numpy" and not isinstance(self.array, np.ndarray):
             rates = self._locate(self.frame)[3].constant(rates, self.array)
+        check_batches("the Jacobian", self.shape[:-2], "qd", tuple(rates.shape[:-1]))
         return Twist(rotate(self.array, rates), self.frame)
 
     def __str__(self) -> str:

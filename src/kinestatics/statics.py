@@ -15,10 +15,10 @@ from . import definition
 from ._kernels import STANDARD_GRAVITY, Chain, chain_arguments
 from .errors import ArrayTypeError, ConfigurationError, MissingMassError
 from .frames import BASE
-from .kinematics import configuration
+from .kinematics import configuration, require_model
 from .model import RobotModel
 from .namespaces import Array, as_array
-from .quantities import Jacobian, Wrench
+from .quantities import Jacobian, Wrench, check_batches
 from .spatial import ANGULAR, rotate, transpose
 
 RANK_TOLERANCE = 1e-10
@@ -46,6 +46,10 @@ def joint_torques(J: Jacobian, wrench: Wrench) -> Array:
         >>> ks.joint_torques(J, ks.Wrench.on_robot(force=(0, -10, 0)))
         array([20., 10.])
     """
+    if not (isinstance(J, Jacobian) and isinstance(wrench, Wrench)):
+        found = f"{type(J).__name__} and {type(wrench).__name__}"
+        hint = "J = ks.jacobian(arm, q); Wrench.on_robot(force=...) for a load, Wrench.on_environment(...) for a push"
+        raise ArrayTypeError("KS302", f"joint_torques takes a Jacobian and a Wrench, not {found}", hint)
     J.require_frame(wrench.frame, "wrench")
     sign = 1 if wrench.acts_on == "environment" else -1
     (six, of_wrench), (matrix, of_J) = as_array(wrench.array), as_array(J.array, "the Jacobian")
@@ -53,6 +57,7 @@ def joint_torques(J: Jacobian, wrench: Wrench) -> Array:
         six = of_J.constant(six, matrix)
     elif of_J.name == "numpy" != of_wrench.name:
         matrix = of_wrench.constant(matrix, six)
+    check_batches("the Jacobian", matrix.shape[:-2], "the wrench", six.shape[:-1])
     return sign * rotate(transpose(matrix), six)
 
 
@@ -87,10 +92,9 @@ def gravity_torques(
         >>> ks.gravity_torques(arm, [0.0], gravity=(0, -9.81, 0))
         array([9.81])
     """
+    require_model(model)
     if not model.has_masses:
-        raise MissingMassError(
-            "KS320", f"robot {model.name!r} has no masses", "its file gives none; a result of zero would be wrong, not light"
-        )
+        raise missing_masses(model)
     array, xp = configuration(model, q, check_finite)
     gravity = checked_gravity(gravity)
     if by_link:
@@ -98,6 +102,12 @@ def gravity_torques(
     if xp.name == "numpy" and model.masses.dtype != object:
         return _gravity_chain(model, tuple(float(g) for g in gravity)).gravity_torques(array)
     return definition.gravity_torques(model, array, gravity, xp)
+
+
+def missing_masses(model: RobotModel) -> MissingMassError:
+    """The error for a static question to an arm whose masses are unknown."""
+    hint = "its file gives none; a result of zero would be wrong, not light"
+    return MissingMassError("KS320", f"robot {model.name!r} has no masses", hint)
 
 
 def checked_gravity(gravity: Sequence[float]) -> Any:
@@ -159,6 +169,10 @@ def decompose(J: Any, rows: Sequence[int], length: float, tolerance: float = RAN
     Law: free wrenches span null(Jᵀ); lost twists are what is at right angles to all reachable ones, in that size.
     """
     matrix = np.asarray(J, dtype=float)
+    if matrix.ndim != 2 or not np.all(np.isfinite(matrix)):
+        raise ConfigurationError("KS303", f"expected one finite Jacobian (6, n), got {matrix.shape}", "loop over a batch")
+    if not 0 < length < np.inf:
+        raise ConfigurationError("KS303", f"characteristic length is {length}", "a positive length in metres")
     weights = np.ones(6)
     weights[ANGULAR] = length
     chosen = list(rows)

@@ -11,9 +11,9 @@ import numpy as np
 
 from . import definition
 from ._kernels import ALL_ROWS
-from .errors import UnknownNameError
+from .errors import ArrayTypeError, UnknownNameError
 from .frames import TIP, Frame
-from .kinematics import jacobian
+from .kinematics import jacobian, require_model
 from .model import RobotModel
 from .namespaces import Array, as_array
 from .spatial import ANGULAR, ANGULAR_ROWS, LINEAR, LINEAR_ROWS, ROW_NAMES, split_pose
@@ -62,6 +62,7 @@ def characteristic_length(model: RobotModel, at: str = TIP) -> float:
         >>> ks.characteristic_length(ks.load("planar_2r"))
         2.0
     """
+    _require_numbers(model)
     path = model.path(model.link_joints[model.link(at)])
     q = np.array(
         [
@@ -87,8 +88,7 @@ def _largest_dimension(model: RobotModel) -> float:
 
 def prismatic_columns(model: RobotModel) -> Array:
     """(n) whether a joint coordinate is a length [m] and not an angle [rad]."""
-    kinds = dict(zip(model.moving_names, model.kinds, strict=True))
-    return np.array([kinds.get(name) == "prismatic" for name in model.joint_names], dtype=bool)
+    return np.array([kind == "prismatic" for kind in model.joint_kinds], dtype=bool)
 
 
 def without_rounding(model: RobotModel, array: Array) -> Array:
@@ -130,6 +130,7 @@ def find_task(
         >>> ks.find_task(ks.load("planar_2r")).row_names
         ('vx', 'vy')
     """
+    _require_numbers(model)
     samples = _samples(model, at, frame)
     if isinstance(task, str) and task in TASKS:
         return Task(TASKS[task], _rank(samples, TASKS[task]), task, f"the task asked for is {task!r}")
@@ -137,6 +138,13 @@ def find_task(
         return _automatic(samples)
     rows = _named_rows(task)
     return Task(rows, _rank(samples, rows), "rows", "the rows asked for")
+
+
+def _require_numbers(model: RobotModel) -> None:
+    require_model(model)
+    if model.is_symbolic:
+        hint = "put numbers in place of the symbols first"
+        raise ArrayTypeError("KS302", f"robot {model.name!r} has symbolic lengths, and its structure is sampled", hint)
 
 
 def _named_rows(rows: Any) -> tuple[int, ...]:
@@ -148,9 +156,12 @@ def _named_rows(rows: Any) -> tuple[int, ...]:
             raise UnknownNameError("KS318", f"task {rows!r} is not known", hint)
         rows = named
     try:
-        return tuple(sorted({_row_index(row) for row in rows}))
+        found = tuple(sorted({_row_index(row) for row in rows}))
     except TypeError:
-        raise UnknownNameError("KS318", f"task {rows!r} is not known", "give rows as a list, such as ['vx', 'wz']") from None
+        found = ()
+    if not found:
+        raise UnknownNameError("KS318", f"task {rows!r} is not known", "give rows as a list, such as ['vx', 'wz']")
+    return found
 
 
 def _row_index(row: Any) -> int:

@@ -27,8 +27,9 @@ def chain_arguments(
     origin_at_base: bool = False,
     offset: tuple[float, float, float] = (0.0, 0.0, 0.0),
     rows: tuple[int, ...] = ALL_ROWS,
+    rank: int | None = None,
     gravity: tuple[float, float, float] = STANDARD_GRAVITY,
-) -> tuple[bytes, bytes, int, bool, bool, bytes, float, bytes]:
+) -> tuple[bytes, bytes, int, bool, bool, bytes, float, bytes, int]:
     """Arguments that make a `Chain`: the program of one target of a model.
 
     Args:
@@ -37,6 +38,7 @@ def chain_arguments(
         axes_of_target: write six-vectors in the target's axes, else in base axes.
         origin_at_base: take them at the base origin, else at the target's.
         rows: rows in play for manipulability, singular values and damped rates.
+        rank: how many singular values of these rows the manipulability multiplies, the largest first; default all.
         gravity: (3) in base axes [m/s²].
     """
     path = model.path(model.link_joints[link])
@@ -52,6 +54,7 @@ def chain_arguments(
         tail.tobytes(),
         strength,
         np.asarray(rows, dtype=np.intc).tobytes(),
+        min(len(rows), model.n) if rank is None else rank,
     )
 
 

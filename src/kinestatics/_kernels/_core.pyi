@@ -16,6 +16,7 @@ class Chain:
         tail: bytes,
         gravity: float,
         rows: bytes,
+        rank: int,
         /,
     ) -> None: ...
     def jacobian(self, q: Any, out: Any = None, threads: int | None = None) -> npt.NDArray[np.float64]: ...

@@ -21,6 +21,8 @@ namespace {
 constexpr int MAX_DIMENSIONS = 32;
 constexpr npy_intp RELEASE_GIL = 64;    // configurations from which on other Python threads may run meanwhile
 constexpr npy_intp PER_THREAD = 1024;   // configurations worth a thread of their own
+constexpr npy_intp MOST_THREADS = 256;
+constexpr int MOST_COLUMNS = 6000;      // 6 * columns^2 * 8 still fits an int
 Pool pool;
 const Kernels *kernels = nullptr;
 thread_local Scratch scratch;
@@ -225,7 +227,8 @@ bool thread_count(PyObject *o, long &threads) {
 // the same instructions however the batch is split.
 template <class Work>
 bool run(npy_intp n, long threads, size_t scratch_doubles, Work work) {
-  const npy_intp parts = n / PER_THREAD < threads ? (n / PER_THREAD > 1 ? n / PER_THREAD : 1) : threads;
+  npy_intp parts = n / PER_THREAD < threads ? (n / PER_THREAD > 1 ? n / PER_THREAD : 1) : threads;
+  if (parts > MOST_THREADS) parts = MOST_THREADS;
   const npy_intp step = ((n + parts - 1) / parts + 7) / 8 * 8;
   bool good = true;
   std::vector<std::thread> others;
@@ -277,7 +280,7 @@ PyObject *compute(const Program &program, PyObject *q_object, PyObject *second_o
     auto part = [&](npy_intp first, npy_intp count, double *memory) {
       work(table, from + first * columns, also ? also + first * second_size : nullptr, count, to + first * size, memory);
     };
-    const size_t needed = table->scratch_size(&program);
+    const size_t needed = table->scratch_size(&program, tail_nd == 3);
     bool good;
     if (n < RELEASE_GIL) {
       double *memory = scratch.get(needed);
@@ -445,9 +448,8 @@ void finish_program(Program &p, const Joints &memory) {
     if (joints[i].kind == PRISMATIC) p.slides = true;
   }
   std::vector<char> used(p.columns, 0);
-  p.gathers_columns = p.vertical = false;
+  p.vertical = false;
   for (const Joint &j : joints) {
-    if (used[j.column]) p.gathers_columns = true;
     used[j.column] = 1;
     if (j.kind != REVOLUTE) p.vertical = true;
   }
@@ -457,23 +459,24 @@ void finish_program(Program &p, const Joints &memory) {
 
 int chain_init(Chain *self, PyObject *args, PyObject *) {
   Py_buffer chain, tree, tail, rows;
-  int columns, origin_at_base, axes_of_target;
+  int columns, origin_at_base, axes_of_target, rank;
   double gravity;
-  if (!PyArg_ParseTuple(args, "y*y*ippy*dy*", &chain, &tree, &columns, &origin_at_base, &axes_of_target, &tail, &gravity, &rows))
+  if (!PyArg_ParseTuple(args, "y*y*ippy*dy*i", &chain, &tree, &columns, &origin_at_base, &axes_of_target, &tail, &gravity, &rows, &rank))
     return -1;
   int status = -1;
   Joints *chain_joints = nullptr, *tree_joints = nullptr;
   const int row_count = (int)(rows.len / sizeof(int));
-  bool good = columns >= 0 && tail.len == 12 * sizeof(double) && row_count <= 6;
+  bool good = columns >= 0 && columns <= MOST_COLUMNS && tail.len == 12 * sizeof(double);
+  good = good && rows.len % sizeof(int) == 0 && row_count <= 6 && rank >= 0 && rank <= row_count && rank <= columns;
   for (int i = 0; good && i < row_count; i++) good = ((const int *)rows.buf)[i] >= 0 && ((const int *)rows.buf)[i] < 6;
-  if (!good) {
+  if (self->chain_joints) {  // a running call may hold the old program
+    PyErr_SetString(PyExc_TypeError, "a Chain is made once");
+  } else if (!good) {
     PyErr_SetString(PyExc_ValueError, "Chain: sizes do not fit");
   } else if ((chain_joints = read_joints(chain, columns)) && (tree_joints = read_joints(tree, columns))) {
-    delete self->chain_joints;
-    delete self->tree_joints;
     self->chain_joints = chain_joints, self->tree_joints = tree_joints;
     Program p{};
-    p.columns = columns, p.gravity = gravity, p.row_count = row_count;
+    p.columns = columns, p.gravity = gravity, p.row_count = row_count, p.rank = rank;
     p.origin_at_base = origin_at_base != 0, p.axes_of_target = axes_of_target != 0;
     std::memcpy(p.tail_rotation, tail.buf, 9 * sizeof(double));
     std::memcpy(p.tail_position, (const double *)tail.buf + 9, 3 * sizeof(double));
@@ -551,11 +554,22 @@ PyObject *sincos_for_tests(PyObject *, PyObject *o) {
   return pair;
 }
 
-#define KS_ENTRY(name) {#name, (PyCFunction)(void *)chain_##name, METH_FASTCALL | METH_KEYWORDS, nullptr}
-PyMethodDef chain_methods[] = {KS_ENTRY(jacobian),        KS_ENTRY(pose),          KS_ENTRY(jacobian_rate),
-                               KS_ENTRY(hessian),         KS_ENTRY(gravity_torques), KS_ENTRY(joint_torques),
-                               KS_ENTRY(manipulability),  KS_ENTRY(singular_values), KS_ENTRY(damped_rates),
-                               {nullptr, nullptr, 0, nullptr}};
+#define KS_ENTRY(name, text) {#name, (PyCFunction)(void *)chain_##name, METH_FASTCALL | METH_KEYWORDS, text}
+#define KS_COMMON "\n\nout: the result's array, float64 and C-contiguous; threads: how many share a large batch.\n" \
+                  "Raises ArrayTypeError KS302, KS304 and ConfigurationError KS303-KS306."
+PyMethodDef chain_methods[] = {
+    KS_ENTRY(jacobian, "jacobian(q, out=None, threads=None)\n\nq (..., n) -> J (..., 6, n) in the frame of this object." KS_COMMON),
+    KS_ENTRY(pose, "pose(q, out=None, threads=None)\n\nq (..., n) -> (..., 4, 4): axes and point of the target seen from the base [m]." KS_COMMON),
+    KS_ENTRY(jacobian_rate, "jacobian_rate(q, qd, out=None, threads=None)\n\nq, qd (..., n) -> d/dt of the matrix that jacobian returns, (..., 6, n)." KS_COMMON),
+    KS_ENTRY(hessian, "hessian(q, out=None, threads=None)\n\nq (..., n) -> H[..., r, j, k] = dJ[r, j]/dq_k, (..., 6, n, n)." KS_COMMON),
+    KS_ENTRY(gravity_torques, "gravity_torques(q, out=None, threads=None)\n\nq (..., n) -> what holds the arm against gravity, (..., n) [N m, N]." KS_COMMON),
+    KS_ENTRY(joint_torques, "joint_torques(q, wrench, out=None, threads=None)\n\nJ^T w for bare six-vectors w (..., 6) in the frame of this object: what holds a wrench that\n"
+                            "the robot exerts on its surroundings; a load on the robot has the opposite sign." KS_COMMON),
+    KS_ENTRY(manipulability, "manipulability(q, out=None, threads=None)\n\nq (..., n) -> product of the singular values of the rows in play that the arm can have, (...)." KS_COMMON),
+    KS_ENTRY(singular_values, "singular_values(q, out=None, threads=None)\n\nq (..., n) -> those of the rows in play, descending, (..., min(rows, n))." KS_COMMON),
+    KS_ENTRY(damped_rates, "damped_rates(q, twist, damping, out=None, threads=None)\n\nJ^T (J J^T + damping^2 I)^-1 twist over the rows in play, (..., n). The normal equations lose what\n"
+                           "lies below 1e-8 of the largest singular value: keep damping above 1e-7 of it near singularities." KS_COMMON),
+    {nullptr, nullptr, 0, nullptr}};
 PyType_Slot chain_slots[] = {{Py_tp_methods, chain_methods},
                              {Py_tp_init, (void *)chain_init},
                              {Py_tp_new, (void *)PyType_GenericNew},

@@ -34,7 +34,7 @@ class Scratch {
 
 class Pool {
  public:
-  static constexpr size_t SMALLEST = 1 << 20, KEPT = 2, LARGEST = size_t(1) << 30;
+  static constexpr size_t SMALLEST = 1 << 20, KEPT = 2, LARGEST = size_t(1) << 29;
   // A buffer of at least `bytes`; null when memory is exhausted.
   void *take(size_t bytes, size_t &capacity) {
     {

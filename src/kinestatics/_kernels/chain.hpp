@@ -92,14 +92,16 @@ struct Block {
   State *at;
 };
 static inline size_t round_up(size_t n) { return (n + LANES - 1) / LANES * LANES; }
-static inline size_t entries_size(const Program &c) {
-  const size_t n = c.columns;
-  const size_t largest = 6 * n * n > 16 ? 6 * n * n : 16;
-  return round_up(largest) + LANES;
+// Room for the rows of a block: the Hessian's, or for all else two Jacobians or a pose.
+static inline size_t entries_size(const Program &c, bool hessian) {
+  const size_t n = c.columns, needed = hessian ? 6 * n * n : 12 * n;
+  return round_up(needed > 16 ? needed : 16) + LANES;
 }
 static inline size_t per_joint(const Program &c) { return round_up(c.joints > c.columns ? c.joints : c.columns) + LANES; }
 static constexpr size_t STATE_SIZE = sizeof(State) / sizeof(V);
-static inline size_t block_size(const Program &c) { return (entries_size(c) + (3 + STATE_SIZE) * per_joint(c)) * LANES; }
+static inline size_t block_size(const Program &c, bool hessian) {
+  return (entries_size(c, hessian) + (3 + STATE_SIZE) * per_joint(c)) * LANES;
+}
 KS_INLINE Block carve(const Program &c, double *scratch) {
   const size_t n = per_joint(c);
   V *at = (V *)scratch;
@@ -210,8 +212,8 @@ KS_INLINE void jacobian_block(const Program &c, const V *q, Block &b) {
         continue;
       }
       Vec v, w;
-      twist_of(c.joint[i], b.at[i].axis, b.at[i].origin, at, v, w);
-      put(b.entries, c.columns, c.joint[i], v, w);
+      twist_of(j, axis, b.at[i].origin, at, v, w);
+      put(b.entries, c.columns, j, v, w);
     }
     return;
   }

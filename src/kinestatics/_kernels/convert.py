@@ -8,6 +8,7 @@ import numpy as np
 
 from ..errors import ArrayTypeError
 from ..namespaces import Array, as_array
+from ..quantities import JacobianMatrix, Pose, Twist, Wrench
 
 
 def to_float64(value: Any, what: str) -> Array:
@@ -16,6 +17,12 @@ def to_float64(value: Any, what: str) -> Array:
     Raises:
         ArrayTypeError: KS302, for arrays of other libraries, symbols, masked and complex arrays.
     """
+    if isinstance(value, Twist | Wrench | Pose | JacobianMatrix):
+        raise ArrayTypeError(
+            "KS302",
+            f"{what} is a {type(value).__name__}; an Evaluator takes bare arrays, and would drop its frame and sign",
+            "use the functions (kinestatics.joint_torques(J, wrench), ...), or pass its .array in the Evaluator's frame",
+        )
     array, xp = as_array(value, what)
     if xp.name != "numpy":
         raise ArrayTypeError(

@@ -40,6 +40,8 @@ KS_INLINE V dot(const V *a, const V *b, int length) {
   for (int i = 1; i < length; i++) sum = fma_(a[i], b[i], sum);
   return sum;
 }
+// Squares below this are taken for zero: their digits, or their inverse, are lost (lengths below 1e-146).
+static constexpr double TINY_SQUARE = 1e-292;
 KS_INLINE void subtract(V *a, V factor, const V *b, int length) {
   for (int i = 0; i < length; i++) a[i] = fnma_(factor, b[i], a[i]);
 }
@@ -54,27 +56,12 @@ KS_INLINE V volume(V *A, const Sides &s, Sizes<K, LENGTH> sizes) {
     V *a = A + r * length;
     const V square = dot(a, a, length);
     product *= square;
-    const V inverse = 1.0 / select(square > 0, square, broadcast(1));
+    const V inverse = 1.0 / select(square < TINY_SQUARE, broadcast(HUGE_VAL), square);
     KS_UNROLL
     for (int t = r + 1; t < K; t++) subtract(A + t * length, dot(a, A + t * length, length) * inverse, a, length);
   }
   return square_root(product);
 }
-static void k_manipulability(const Program *cp, const double *q, ptrdiff_t n, double *out, double *scratch) {
-  const Program &c = *cp;
-  Block b = carve(c, scratch);
-  const Sides s = sides(c);
-  V *A = b.entries + 6 * c.columns, *result = b.result;
-  clear(b.entries, 6 * c.columns);
-  const Input in[] = {{q, c.columns, b.q}};
-  sweep(in, 1, n, result, 1, out, line_buffer(c, scratch), [&]() __attribute__((always_inline)) {
-    jacobian_block(c, b.q, b);
-    select_rows(c, s, b.entries, A);
-    result[0] = broadcast(1);  // the empty product
-    with_sizes(s, [&](auto sizes) __attribute__((always_inline)) { result[0] = volume(A, s, sizes); });
-  });
-}
-
 // R of a QR factorisation of the K vectors, as columns of a K x K matrix in D (D[column][row]).
 template <int K, int LENGTH>
 KS_INLINE void triangle(V *A, const Sides &s, Sizes<K, LENGTH> sizes, V (*D)[6]) {
@@ -82,7 +69,7 @@ KS_INLINE void triangle(V *A, const Sides &s, Sizes<K, LENGTH> sizes, V (*D)[6])
   for (int r = 0; r < K; r++) {
     V *a = A + r * length;
     const V square = dot(a, a, length);
-    const VInt positive = square > 0;
+    const VInt positive = square >= TINY_SQUARE;
     const V inverse = select(positive, reciprocal_root(select(positive, square, broadcast(1))), broadcast(0));
     D[r][r] = square * inverse;
     for (int i = 0; i < length; i++) a[i] *= inverse;
@@ -110,6 +97,21 @@ struct Rounds {
 // One-sided Jacobi (Hestenes 1958) on K vectors of K entries: turn pairs until all are at right angles; their lengths are
 // the singular values, small ones with small error. A lane that is done stands still while its neighbours go on, so that
 // a configuration's bits do not depend on which others share its block.
+// A power of two of the size of the largest entry, and its inverse: products of squares of what is left neither overflow
+// nor vanish, and scaling by it rounds nothing.
+KS_INLINE V scale_of(const V *A, int count, V &inverse) {
+  V largest = broadcast(0);
+  for (int i = 0; i < count; i++) {
+    const V size = absolute(A[i]);
+    largest = select(size > largest, size, largest);
+  }
+  const long long bit = 1LL << 52;
+  VInt exponent = (VInt)largest & (2047 * bit);
+  exponent = (VInt)select(exponent < 23 * bit, (V)(VInt{} + 23 * bit), (V)exponent);  // as far as the inverse is a double
+  exponent = (VInt)select(exponent > 2023 * bit, (V)(VInt{} + 2023 * bit), (V)exponent);
+  inverse = (V)(2046 * bit - exponent);
+  return (V)exponent;
+}
 template <int LENGTH>
 KS_INLINE void orthogonalize(Sizes<1, LENGTH>, V (*)[6]) {}
 template <int K, int LENGTH>
@@ -133,7 +135,7 @@ KS_INLINE void orthogonalize(Sizes<K, LENGTH>, V (*D)[6]) {
         busy |= g2 > product * 1e-16;
         const V difference = b - a, twice = 2.0 * g;
         const V reach = absolute(difference) + square_root(fma_(difference, difference, twice * twice));
-        const V t = select(turn, with_sign_of(twice, difference) / select(reach > 0, reach, one), zero);
+        const V t = select(turn, times_sign_of(twice, difference) / select(reach > 0, reach, one), zero);
         cosine[m] = select(turn, reciprocal_root(fma_(t, t, one)), one), sine[m] = cosine[m] * t;
         squares[p] = fnma_(t, g, a);
         squares[r] = fma_(t, g, b);
@@ -152,33 +154,64 @@ KS_INLINE void orthogonalize(Sizes<K, LENGTH>, V (*D)[6]) {
     if (!any(active)) return;
   }
 }
+// All singular values of the rows in play, descending.
+KS_INLINE void singular_values_of(const Program &c, const Sides &s, const V *J, V *A, V *sigma) {
+  V D[6][6], inverse;
+  select_rows(c, s, J, A);
+  const V scale = scale_of(A, s.count * s.length, inverse);
+  for (int i = 0; i < s.count * s.length; i++) A[i] *= inverse;
+  with_sizes(s, [&](auto sizes) __attribute__((always_inline)) {
+    triangle(A, s, sizes, D);
+    orthogonalize(sizes, D);
+  });
+  for (int p = 0; p < s.count; p++) sigma[p] = scale * square_root(dot(D[p], D[p], s.count));
+  for (int p = 1; p < s.count; p++)  // by exchanges of neighbours
+    for (int k = p; k > 0; k--) {
+      const V x = sigma[k - 1], y = sigma[k];
+      const VInt wrong = x < y;
+      sigma[k - 1] = select(wrong, y, x), sigma[k] = select(wrong, x, y);
+    }
+}
 static void k_singular_values(const Program *cp, const double *q, ptrdiff_t n, double *out, double *scratch) {
   const Program &c = *cp;
   Block b = carve(c, scratch);
   const Sides s = sides(c);
-  V *A = b.entries + 6 * c.columns, *sigma = b.result;
   clear(b.entries, 6 * c.columns);
   if (s.count == 0) return;
   const Input in[] = {{q, c.columns, b.q}};
-  sweep(in, 1, n, sigma, s.count, out, line_buffer(c, scratch), [&]() __attribute__((always_inline)) {
-    V D[6][6];
+  sweep(in, 1, n, b.result, s.count, out, line_buffer(c, scratch), [&]() __attribute__((always_inline)) {
     jacobian_block(c, b.q, b);
-    select_rows(c, s, b.entries, A);
-    with_sizes(s, [&](auto sizes) __attribute__((always_inline)) {
-      triangle(A, s, sizes, D);
-      orthogonalize(sizes, D);
+    singular_values_of(c, s, b.entries, b.entries + 6 * c.columns, b.result);
+  });
+}
+// The product of as many singular values as the arm can have: all of them by QR, or the largest where some are zero in
+// every posture.
+static void k_manipulability(const Program *cp, const double *q, ptrdiff_t n, double *out, double *scratch) {
+  const Program &c = *cp;
+  Block b = carve(c, scratch);
+  const Sides s = sides(c);
+  V *A = b.entries + 6 * c.columns, *result = b.result;
+  clear(b.entries, 6 * c.columns);
+  const Input in[] = {{q, c.columns, b.q}};
+  if (c.rank == s.count) {
+    sweep(in, 1, n, result, 1, out, line_buffer(c, scratch), [&]() __attribute__((always_inline)) {
+      jacobian_block(c, b.q, b);
+      select_rows(c, s, b.entries, A);
+      result[0] = broadcast(1);  // the empty product
+      with_sizes(s, [&](auto sizes) __attribute__((always_inline)) { result[0] = volume(A, s, sizes); });
     });
-    for (int p = 0; p < s.count; p++) sigma[p] = square_root(dot(D[p], D[p], s.count));
-    for (int p = 1; p < s.count; p++)  // descending, by exchanges of neighbours
-      for (int k = p; k > 0; k--) {
-        const V x = sigma[k - 1], y = sigma[k];
-        const VInt wrong = x < y;
-        sigma[k - 1] = select(wrong, y, x), sigma[k] = select(wrong, x, y);
-      }
+    return;
+  }
+  sweep(in, 1, n, result, 1, out, line_buffer(c, scratch), [&]() __attribute__((always_inline)) {
+    V sigma[6];
+    jacobian_block(c, b.q, b);
+    singular_values_of(c, s, b.entries, A, sigma);
+    result[0] = broadcast(c.rank ? 1 : 0);
+    for (int p = 0; p < c.rank; p++) result[0] *= sigma[p];
   });
 }
 
-// y = (A + damping^2 I)^-1 y for a symmetric positive matrix given by its lower triangle, by LDLt.
+// y = A^-1 y for a symmetric positive matrix given by its lower triangle, by LDLt.
 template <int K>
 KS_INLINE void solve(V (*A)[6], V *y) {
   V inverse[K];
@@ -211,7 +244,7 @@ KS_INLINE void damped_block(const Program &c, const Sides &s, Sizes<K, LENGTH> s
     KS_UNROLL
     for (int t = 0; t <= r; t++) S[r][t] = dot(A + r * length, A + t * length, length);
     S[r][r] += damping2;
-    if (s.wide) {
+    if (LENGTH > 6 || s.wide) {
       y[r] = twist[c.rows[r]];
     } else {
       y[r] = broadcast(0);

@@ -21,6 +21,12 @@ namespace {  // every instruction set has its own copy: nothing here may be shar
 #define KS_UNROLL _Pragma("GCC unroll 8")
 #endif
 
+#ifdef __clang__  // gcc has clang's builtin from version 12 on; its own is older
+#define KS_SHUFFLE(INTEGERS, x, y, ...) __builtin_shufflevector(x, y, __VA_ARGS__)
+#else
+#define KS_SHUFFLE(INTEGERS, x, y, ...) __builtin_shuffle(x, y, INTEGERS{__VA_ARGS__})
+#endif
+
 typedef double V __attribute__((vector_size(8 * LANES)));
 typedef double VUnaligned __attribute__((vector_size(8 * LANES), aligned(8), may_alias));
 typedef long long VInt __attribute__((vector_size(8 * LANES)));
@@ -30,7 +36,7 @@ KS_INLINE V load(const double *p) { return *(const VUnaligned *)p; }
 KS_INLINE void store(double *p, V v) { *(VUnaligned *)p = v; }
 KS_INLINE V select(VInt mask, V a, V b) { return (V)(((VInt)a & mask) | ((VInt)b & ~mask)); }
 KS_INLINE V absolute(V x) { return (V)((VInt)x & 0x7fffffffffffffffLL); }
-KS_INLINE V with_sign_of(V x, V sign) { return (V)(((VInt)sign & (long long)0x8000000000000000ULL) ^ (VInt)x); }
+KS_INLINE V times_sign_of(V x, V sign) { return (V)(((VInt)sign & (long long)0x8000000000000000ULL) ^ (VInt)x); }
 
 #if LANES == 8
 KS_INLINE V fma_(V a, V b, V c) { return (V)_mm512_fmadd_pd((__m512d)a, (__m512d)b, (__m512d)c); }

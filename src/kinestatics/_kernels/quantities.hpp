@@ -26,11 +26,13 @@ KS_INLINE void read_last(const Input &in, ptrdiff_t i, ptrdiff_t n) {
     in.lanes[e] = load(lane);
   }
 }
-static inline size_t line_buffer_at(const Program &c) { return (block_size(c) + 63) / 64 * 64; }
-static inline size_t sweep_size(const Program &c) {
-  return line_buffer_at(c) + LineWriter::COLLECTED + (entries_size(c) * LANES + 127) / 64 * 64;
+static inline size_t line_buffer_at(const Program &c, bool hessian) { return (block_size(c, hessian) + 63) / 64 * 64; }
+static inline size_t sweep_size(const Program &c, bool hessian) {
+  return line_buffer_at(c, hessian) + LineWriter::COLLECTED + (entries_size(c, hessian) * LANES + 127) / 64 * 64;
 }
-KS_INLINE double *line_buffer(const Program &c, double *scratch) { return scratch + line_buffer_at(c); }
+KS_INLINE double *line_buffer(const Program &c, double *scratch, bool hessian = false) {
+  return scratch + line_buffer_at(c, hessian);
+}
 
 template <class Compute>
 KS_INLINE void sweep(const Input *inputs, int count, ptrdiff_t n, const V *entries, int size, double *out, double *buffer,
@@ -147,13 +149,12 @@ KS_INLINE void put_second(V *H, int n, const Joint &j, const Joint &k, Vec dv, V
     for (int r = 0; r < 6; r++) e[r * plane] = six[r];
   }
 }
-KS_INLINE void hessian_block(const Program &c, Block &b, bool clean) {
+KS_INLINE void hessian_block(const Program &c, Block &b) {
   const Frame f = forward(c, b.q, b);
   const V zero = broadcast(0);
   const Vec none{zero, zero, zero};
   const Vec at = c.origin_at_base ? none : tail_point(c, f);
   for (int i = 0; i < c.joints; i++) twist_of(c.joint[i], b.at[i].axis, b.at[i].origin, at, b.at[i].v, b.at[i].w);
-  if (clean) clear(b.entries, 6 * c.columns * c.columns);
   const Frame t = c.axes_of_target ? tail(c, f) : f;
   for (int k = 0; k < c.joints; k++)
     for (int j = k; j < c.joints; j++) {
@@ -172,11 +173,10 @@ KS_INLINE void hessian_block(const Program &c, Block &b, bool clean) {
 static void k_hessian(const Program *cp, const double *q, ptrdiff_t n, double *out, double *scratch) {
   const Program &c = *cp;
   Block b = carve(c, scratch);
-  const bool shared = c.gathers_columns;  // mimic joints add into the same entries: clear before each block
   clear(b.entries, 6 * c.columns * c.columns);
   const Input in[] = {{q, c.columns, b.q}};
-  sweep(in, 1, n, b.entries, 6 * c.columns * c.columns, out, line_buffer(c, scratch), [&]() __attribute__((always_inline)) {
-    hessian_block(c, b, shared);
+  sweep(in, 1, n, b.entries, 6 * c.columns * c.columns, out, line_buffer(c, scratch, true), [&]() __attribute__((always_inline)) {
+    hessian_block(c, b);
   });
 }
 
@@ -232,7 +232,7 @@ KS_INLINE void gravity_block(const Program &c, Block &b, Saved *saved) {
 static void k_gravity_torques(const Program *cp, const double *q, ptrdiff_t n, double *out, double *scratch) {
   const Program &c = *cp;
   Block b = carve(c, scratch);
-  Saved *saved = (Saved *)(scratch + sweep_size(c));
+  Saved *saved = (Saved *)(scratch + sweep_size(c, false));
   const Input in[] = {{q, c.columns, b.q}};
   double *buffer = line_buffer(c, scratch);
   if (c.vertical)
@@ -257,9 +257,9 @@ static void k_joint_torques(const Program *cp, const double *q, const double *wr
     }
   });
 }
-static size_t k_scratch_size(const Program *cp) {
+static size_t k_scratch_size(const Program *cp, bool hessian) {
   const Program &c = *cp;
-  return sweep_size(c) + (size_t)c.joints * sizeof(Saved) / sizeof(double);
+  return sweep_size(c, hessian) + (size_t)c.joints * sizeof(Saved) / sizeof(double);
 }
 
 }  // namespace

@@ -9,12 +9,12 @@ namespace {  // every instruction set has its own copy: nothing here may be shar
 
 // a[e] holds entry e of LANES configurations; afterwards row w of `out` holds entries 0 .. LANES-1 of configuration w.
 #if LANES == 8
-#define KS_LOW(x, y) __builtin_shufflevector(x, y, 0, 1, 8, 9, 4, 5, 12, 13)
-#define KS_HIGH(x, y) __builtin_shufflevector(x, y, 2, 3, 10, 11, 6, 7, 14, 15)
-#define KS_EVEN(x, y) __builtin_shufflevector(x, y, 0, 8, 2, 10, 4, 12, 6, 14)
-#define KS_ODD(x, y) __builtin_shufflevector(x, y, 1, 9, 3, 11, 5, 13, 7, 15)
-#define KS_FIRST(x, y) __builtin_shufflevector(x, y, 0, 1, 2, 3, 8, 9, 10, 11)
-#define KS_SECOND(x, y) __builtin_shufflevector(x, y, 4, 5, 6, 7, 12, 13, 14, 15)
+#define KS_LOW(x, y) KS_SHUFFLE(VInt, x, y, 0, 1, 8, 9, 4, 5, 12, 13)
+#define KS_HIGH(x, y) KS_SHUFFLE(VInt, x, y, 2, 3, 10, 11, 6, 7, 14, 15)
+#define KS_EVEN(x, y) KS_SHUFFLE(VInt, x, y, 0, 8, 2, 10, 4, 12, 6, 14)
+#define KS_ODD(x, y) KS_SHUFFLE(VInt, x, y, 1, 9, 3, 11, 5, 13, 7, 15)
+#define KS_FIRST(x, y) KS_SHUFFLE(VInt, x, y, 0, 1, 2, 3, 8, 9, 10, 11)
+#define KS_SECOND(x, y) KS_SHUFFLE(VInt, x, y, 4, 5, 6, 7, 12, 13, 14, 15)
 KS_INLINE void transpose(const V *a, V *out) {
   const V b0 = KS_EVEN(a[0], a[1]), b1 = KS_ODD(a[0], a[1]), b2 = KS_EVEN(a[2], a[3]), b3 = KS_ODD(a[2], a[3]);
   const V b4 = KS_EVEN(a[4], a[5]), b5 = KS_ODD(a[4], a[5]), b6 = KS_EVEN(a[6], a[7]), b7 = KS_ODD(a[6], a[7]);
@@ -27,15 +27,15 @@ KS_INLINE void transpose(const V *a, V *out) {
 }
 #elif LANES == 4
 KS_INLINE void transpose(const V *a, V *out) {
-  const V b0 = __builtin_shufflevector(a[0], a[1], 0, 4, 2, 6), b1 = __builtin_shufflevector(a[0], a[1], 1, 5, 3, 7);
-  const V b2 = __builtin_shufflevector(a[2], a[3], 0, 4, 2, 6), b3 = __builtin_shufflevector(a[2], a[3], 1, 5, 3, 7);
-  out[0] = __builtin_shufflevector(b0, b2, 0, 1, 4, 5), out[2] = __builtin_shufflevector(b0, b2, 2, 3, 6, 7);
-  out[1] = __builtin_shufflevector(b1, b3, 0, 1, 4, 5), out[3] = __builtin_shufflevector(b1, b3, 2, 3, 6, 7);
+  const V b0 = KS_SHUFFLE(VInt, a[0], a[1], 0, 4, 2, 6), b1 = KS_SHUFFLE(VInt, a[0], a[1], 1, 5, 3, 7);
+  const V b2 = KS_SHUFFLE(VInt, a[2], a[3], 0, 4, 2, 6), b3 = KS_SHUFFLE(VInt, a[2], a[3], 1, 5, 3, 7);
+  out[0] = KS_SHUFFLE(VInt, b0, b2, 0, 1, 4, 5), out[2] = KS_SHUFFLE(VInt, b0, b2, 2, 3, 6, 7);
+  out[1] = KS_SHUFFLE(VInt, b1, b3, 0, 1, 4, 5), out[3] = KS_SHUFFLE(VInt, b1, b3, 2, 3, 6, 7);
 }
 #else
 KS_INLINE void transpose(const V *a, V *out) {
-  out[0] = __builtin_shufflevector(a[0], a[1], 0, 2);
-  out[1] = __builtin_shufflevector(a[0], a[1], 1, 3);
+  out[0] = KS_SHUFFLE(VInt, a[0], a[1], 0, 2);
+  out[1] = KS_SHUFFLE(VInt, a[0], a[1], 1, 3);
 }
 #endif
 
@@ -110,7 +110,7 @@ class LineWriter {
       begin_ = line_;  // from here on every line is ours
       sent_ = 8;
     }
-#pragma GCC unroll 4
+KS_UNROLL
     for (; sent_ < end; sent_ += 8) stream_line(line_ + sent_, buffer_ + sent_);
   }
   void restart() {  // sends all whole lines and begins the buffer anew with the rest

@@ -1,4 +1,4 @@
-// The Jacobian of one configuration: 4-lane vectors hold the columns of the rotation, one vector sine serves LANES joints.
+// The Jacobian of one configuration: 4-lane vectors hold the columns of the rotation, and vector sines serve LANES joints each.
 // The same operations in the same order as in chain.hpp, so that one call and a batch give the same bits.
 #pragma once
 #include "chain.hpp"
@@ -6,6 +6,7 @@
 namespace {
 
 typedef double V4 __attribute__((vector_size(32)));
+typedef long long V4Int __attribute__((vector_size(32)));
 #if LANES > 2
 KS_INLINE V4 fma4(V4 a, V4 b, V4 c) { return (V4)_mm256_fmadd_pd((__m256d)a, (__m256d)b, (__m256d)c); }
 KS_INLINE V4 fnma4(V4 a, V4 b, V4 c) { return (V4)_mm256_fnmadd_pd((__m256d)a, (__m256d)b, (__m256d)c); }
@@ -20,7 +21,7 @@ KS_INLINE V4 fma4(V4 a, V4 b, V4 c) { return a * b + c; }
 KS_INLINE V4 fnma4(V4 a, V4 b, V4 c) { return c - a * b; }
 #endif
 KS_INLINE V4 all4(double x) { return x - V4{}; }
-#define KS_PERMUTE(a, x, y, z) __builtin_shufflevector(a, a, x, y, z, 3)
+#define KS_PERMUTE(a, x, y, z) KS_SHUFFLE(V4Int, a, a, x, y, z, 3)
 KS_INLINE V4 cross4(V4 a, V4 b) {  // z, x, y first: three permutations instead of four, the roundings of Vec's cross
   const V4 turned = fnma4(KS_PERMUTE(a, 1, 2, 0), b, a * KS_PERMUTE(b, 1, 2, 0));
   return KS_PERMUTE(turned, 1, 2, 0);

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from .._kernels import STANDARD_GRAVITY
-from ..errors import ConfigurationError
+from ..errors import ArrayTypeError, ConfigurationError
 from ..frames import TIP, Frame
-from ..kinematics import configuration, jacobian, pose
+from ..kinematics import configuration, jacobian, pose, require_model
 from ..model import RobotModel
 from ..namespaces import Array, Namespace
 from ..quantities import Jacobian, Wrench
@@ -58,6 +58,10 @@ def analyze(
         >>> a.rank, a.lost_twists[0].text
         (1, 'no velocity along x of base')
     """
+    require_model(model)
+    if wrench is not None and not isinstance(wrench, Wrench):
+        hint = "Wrench.on_robot(force=...) for a load, Wrench.on_environment(force=...) for a push"
+        raise ArrayTypeError("KS302", f"wrench is a {type(wrench).__name__}; who acts on whom?", hint)
     array, xp = configuration(model, model.home if q is None else q)
     values = _one_configuration(array, xp)
     J = jacobian(model, values, at=at, check_finite=False)
@@ -74,13 +78,12 @@ def analyze(
     held = _gravity(model, values, gravity, notes)
     if not np.all(np.isfinite(model.effort_limits)) and torques is not None:
         notes.append("effort limits are unknown for some joints: torques are not compared with them")
-    kinds = dict(zip(model.moving_names, model.kinds, strict=True))
     return Analysis(
         robot=model.name,
         base=model.base,
         tip=J.link,
         joints=model.joint_names,
-        kinds=tuple(kinds.get(name, "revolute") for name in model.joint_names),
+        kinds=model.joint_kinds,
         configuration=values,
         pose=pose(model, values, at=at, check_finite=False),
         jacobian=J,
@@ -105,7 +108,10 @@ def analyze(
 
 
 def _one_configuration(array: Array, xp: Namespace) -> Array:
-    if array.ndim != 1 or xp.name != "numpy":
+    if xp.name != "numpy":
+        hint = "q = np.asarray(q) first; the functions (ks.jacobian, ...) take it as it is"
+        raise ArrayTypeError("KS302", f"analyze computes with NumPy; q is an array of {xp.name}", hint)
+    if array.ndim != 1:
         raise ConfigurationError(
             "KS303", "analyze takes one numeric configuration", "loop over a batch, or use an Evaluator"
         )

@@ -35,17 +35,23 @@ def command(
     """The Jacobian of the tip, in any axes, at any point, in any library's convention."""
     import numpy as np
 
+    from ..conventions import find_convention
+    from ..errors import ConfigurationError
     from ..kinematics import jacobian
 
+    if convention is not None and (axes, origin) != (BASE, TIP):
+        hint = "leave out --axes and --origin, or --convention"
+        raise ConfigurationError("KS319", f"convention {convention!r} already says axes and origin", hint)
     model = read_robot(robot, base, tip, hold, package_root, allow_xacro)
     J = jacobian(model, read_configuration(model, at, seed), frame=Frame(axes, origin))
     if convention is not None:
         array = J.to_array(convention=convention)
+        c = find_convention(convention)
         if as_json:
-            show_json(
-                {"robot": model.name, "convention": convention, "joints": list(J.joint_names), "array": array.tolist()}
-            )
+            said = {"convention": c.name, "order": c.order, "axes": c.axes, "origin": c.origin, "layout": c.layout}
+            show_json({"robot": model.name, **said, "joints": list(J.joint_names), "array": array.tolist()})
         else:
+            show(f"{c.name}: {c.order} rows, axes of {c.axes}, at the origin of {c.origin}, {c.layout}")
             rounded: Array = np.round(array, 6) + 0.0  # no minus before a rounded zero
             show(np.array2string(rounded, precision=6, suppress_small=True, max_line_width=1000, threshold=10**9))
         return

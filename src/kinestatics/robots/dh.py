@@ -49,7 +49,8 @@ def from_dh(
         name: name of the arm.
         joint_names: default joint1, joint2, ...
         limits: (lower, upper) of each joint [rad or m].
-        masses: of link 1 to n [kg]; centers_of_mass: in the frames of the rows [m]; inertias: (3, 3) about them [kg m²].
+        masses: of link 1 to n [kg]; centers_of_mass: in the frames of the rows [m], by default their origins (the far ends
+            of standard rows), with a warning; inertias: (3, 3) about them [kg m²].
         base: (4, 4) pose of the first frame seen from the base link; tool: (4, 4) pose of the tip seen from link n [m].
 
     Returns:
@@ -127,6 +128,9 @@ def _bodies(n: int, masses: Any, centers: Any, inertias: Any) -> list[tuple[Any,
     for i, mass in enumerate(columns[0]):
         if mass.dtype != object and mass < 0:
             raise RobotDefinitionError("KS160", f"masses[{i}] is {mass:g}", "a mass is at least 0")
+    if centers is None and any(mass.dtype == object or mass > 0 for mass in columns[0]):
+        message = "KS209: masses without centers_of_mass: each is taken at the origin of its row's frame"
+        warnings.warn(message, KinestaticsWarning, stacklevel=3)
     exact = any(array.dtype == object for column in columns for array in column)
     sizes = [_exact(mass[()]) if exact else float(mass) for mass in columns[0]]
     return list(zip(sizes, columns[1], columns[2], strict=True))

@@ -54,7 +54,11 @@ def load(
         >>> ks.load("ur5e").n
         6
     """
-    path = Path(name_or_path)
+    try:
+        path = Path(name_or_path)
+    except TypeError:
+        message = f"{name_or_path!r} is neither a name nor a path"
+        raise UnknownNameError("KS312", message, 'for example ks.load("ur5e") or ks.load("robot.urdf")') from None
     text = str(name_or_path)
     if text == path.stem and text in catalogue_names():
         description = read_catalogue(text)

@@ -2,7 +2,7 @@
 
 MuJoCo itself compiles the model, in a bounded child, so that defaults, classes, frames and orientations mean here what they
 mean there; this module turns the compiled bodies into links and joints. q is MuJoCo's qpos. Meshes are opened only where a
-mass is inferred from one, and gravity is not taken from the file.
+mass is inferred from one. Gravity, springs and gravity compensation are not taken from the file; a finding says so.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import Place, RobotFileError
+from ..errors import Finding, Place, RobotFileError
 from .bounded import Limits, package_folder, run_bounded
 from .checks import NOT_YET, below, checked
 from .description import JointDescription, RobotDescription
@@ -23,6 +23,7 @@ from .mjcf_source import Source, read_source
 from .mjcf_tree import Names, default_tip, joints_of, links_of, sites_of
 
 LIMITS = Limits(processor=20, wall=30.0, memory=4 << 30)
+STANDARD = (0.0, 0.0, -9.81)  # MuJoCo's gravity where a file says nothing
 _NUMBERS = ("position", "quaternion", "mass", "center", "axes", "inertia", "anchor", "axis", "reference")
 
 REFUSALS = (  # what MuJoCo says, the code, a remedy
@@ -91,9 +92,26 @@ def _describe(answer: dict[str, Any], source: Source, base: str | None) -> Robot
     links = settle_masses(links_of(answer, names, source), answer, names, base, findings)
     site_links, site_joints = sites_of(answer, names, source)
     links, joints = below([*links, *between, *site_links], [*joints, *site_joints], base, findings)
+    findings += _left_out(answer, names, source)
     tip = default_tip(answer, names)
     tip = tip if tip in {link.name for link in links} else None
     return checked(source.name, links, joints, source=str(source.path), base=base, findings=findings, tip=tip)
+
+
+def _left_out(answer: dict[str, Any], names: Names, source: Source) -> list[Finding]:
+    """What acts on the arm in MuJoCo and is not part of this model: a torque computed without it may surprise."""
+    place, found = Place(str(source.path)), []
+    gravity = tuple(answer["gravity"])
+    if not np.allclose(gravity, STANDARD, rtol=0, atol=1e-12):
+        shown = ", ".join(f"{g:g}" for g in gravity)
+        found.append(Finding("KS176", f"the file's gravity ({shown}) is not used; pass gravity=({shown})", place))
+    lifted = [names.links[body["id"]] for body in answer["bodies"] if body["compensated"]]
+    if lifted:
+        found.append(Finding("KS177", f"gravcomp of {', '.join(lifted[:5])} is not modelled: gravity acts in full", place))
+    if answer["springs"]:
+        shown = ", ".join(name or "an unnamed joint" for name in answer["springs"][:5])
+        found.append(Finding("KS178", f"springs in joints are not modelled: {shown}", place))
+    return found
 
 
 def _check_finite(answer: dict[str, Any], source: Source) -> None:

@@ -68,6 +68,8 @@ def _compile(request: dict[str, Any], meshes: dict[str, str | None], needed: set
     answer["bodies"] = sorted(entries, key=lambda entry: entry["id"])
     answer["joints"] = sorted((_joint(model, joint) for joint in spec.joints), key=lambda entry: entry["id"])
     answer["sites"] = sorted((_site(model, site) for site in spec.sites), key=lambda entry: entry["id"])
+    answer["gravity"] = model.opt.gravity.tolist()
+    answer["springs"] = [joint.name for joint in spec.joints if np.any(np.asarray(joint.stiffness) != 0)]
     return answer | {"nq": int(model.nq), "total_mass_is_set": bool(spec.compiler.settotalmass > 0)}
 
 
@@ -191,6 +193,7 @@ def _body(model: Any, body: Any) -> dict[str, Any]:
         "position": model.body_pos[i].tolist(),
         "quaternion": model.body_quat[i].tolist(),
         "mass": float(model.body_mass[i]),
+        "compensated": bool(model.body_gravcomp[i] != 0),
         "center": model.body_ipos[i].tolist(),
         "axes": model.body_iquat[i].tolist(),
         "inertia": np.diag(model.body_inertia[i]).tolist(),

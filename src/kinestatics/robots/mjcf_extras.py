@@ -112,8 +112,12 @@ def with_home(
     source: Source,
     findings: list[Finding],
 ) -> list[JointDescription]:
-    """The keyframe called "home"."""
+    """The keyframe called "home"; without one, where MuJoCo starts: every joint at its reference."""
     completed = list(joints)
+    for joint in answer["joints"]:
+        if joint["kind"] in ("hinge", "slide"):
+            i = index[joint["id"]]
+            completed[i] = replace(joints[i], home=joint["reference"])
     home = answer["home"]
     if not home:
         return completed
