@@ -406,7 +406,7 @@ def test_hostile_file_in_a_shell(tmp_path, name):
 
 
 def test_home_is_where_mujoco_starts(tmp_path):
-    """Without a keyframe "home" joints start, and are held, at their reference; what is left out of the file is a finding."""
+    """Without a keyframe "home" joints start, and are held, at their reference; what is left out is a finding."""
     path = tmp_path / "m.xml"
     path.write_text(
         """<mujoco><compiler angle="radian"/><option gravity="0 0 -1.62"/><worldbody><body name="a" gravcomp="1">

@@ -19,11 +19,10 @@ from .bounded import Limits, package_folder, run_bounded
 from .checks import NOT_YET, below, checked
 from .description import JointDescription, RobotDescription
 from .mjcf_extras import settle_masses, with_couplings, with_efforts, with_home
-from .mjcf_source import Source, read_source
+from .mjcf_source import STANDARD_GRAVITY, Source, read_source
 from .mjcf_tree import Names, default_tip, joints_of, links_of, sites_of
 
 LIMITS = Limits(processor=20, wall=30.0, memory=4 << 30)
-STANDARD = (0.0, 0.0, -9.81)  # MuJoCo's gravity where a file says nothing
 _NUMBERS = ("position", "quaternion", "mass", "center", "axes", "inertia", "anchor", "axis", "reference")
 
 REFUSALS = (  # what MuJoCo says, the code, a remedy
@@ -101,9 +100,8 @@ def _describe(answer: dict[str, Any], source: Source, base: str | None) -> Robot
 def _left_out(answer: dict[str, Any], names: Names, source: Source) -> list[Finding]:
     """What acts on the arm in MuJoCo and is not part of this model: a torque computed without it may surprise."""
     place, found = Place(str(source.path)), []
-    gravity = tuple(answer["gravity"])
-    if not np.allclose(gravity, STANDARD, rtol=0, atol=1e-12):
-        shown = ", ".join(f"{g:g}" for g in gravity)
+    if source.gravity != STANDARD_GRAVITY:
+        shown = ", ".join(f"{g:g}" for g in source.gravity)
         found.append(Finding("KS176", f"the file's gravity ({shown}) is not used; pass gravity=({shown})", place))
     lifted = [names.links[body["id"]] for body in answer["bodies"] if body["compensated"]]
     if lifted:

@@ -68,7 +68,6 @@ def _compile(request: dict[str, Any], meshes: dict[str, str | None], needed: set
     answer["bodies"] = sorted(entries, key=lambda entry: entry["id"])
     answer["joints"] = sorted((_joint(model, joint) for joint in spec.joints), key=lambda entry: entry["id"])
     answer["sites"] = sorted((_site(model, site) for site in spec.sites), key=lambda entry: entry["id"])
-    answer["gravity"] = model.opt.gravity.tolist()
     answer["springs"] = [joint.name for joint in spec.joints if np.any(np.asarray(joint.stiffness) != 0)]
     return answer | {"nq": int(model.nq), "total_mass_is_set": bool(spec.compiler.settotalmass > 0)}
 

@@ -17,8 +17,9 @@ from xml.sax.saxutils import quoteattr
 
 from ..errors import Finding, Place, RobotFileError
 from .paths import resolve
-from .xml import MAX_ELEMENTS, Element, numbers_in, parse_xml, read_file, read_number, required
+from .xml import MAX_ELEMENTS, Element, numbers_in, parse_xml, read_file, read_number, read_vector, required
 
+STANDARD_GRAVITY = (0.0, 0.0, -9.81)  # MuJoCo's
 MAX_DEPTH = 256
 MAX_GENERATED = 20_000
 MAX_FILES = 100
@@ -59,6 +60,7 @@ class Source:
         findings: what was met on the way.
         partial: whether moving parts were left out, so that positions of the whole model no longer fit.
         name: the model's own name, or that of the file.
+        gravity: what the file says, MuJoCo's default where it says nothing [m/s²].
         files: how many files were read; attached: how many models were attached.
     """
 
@@ -71,6 +73,7 @@ class Source:
     findings: list[Finding] = field(default_factory=list)
     partial: bool = False
     name: str = ""
+    gravity: tuple[float, float, float] = STANDARD_GRAVITY
     files: int = 0
     attached: int = 0
 
@@ -91,6 +94,10 @@ def read_source(path: Path, roots: Sequence[Path]) -> Source:
         raise RobotFileError("KS120", f"root element is <{root.tag[:40]}>; expected <robot> or <mujoco>", "", root.place)
     source.name = root.attributes.get("model", "") or path.stem
     source.text = _prepare(root, path, source)
+    for option in root.all("option"):  # of this model, what it includes among it; attached models bring none
+        if "gravity" in option.attributes:
+            x, y, z = read_vector(option.attributes["gravity"], 3, "option: gravity", option.place).tolist()
+            source.gravity = (x, y, z)
     return source
 
 
