@@ -412,7 +412,7 @@ def test_home_is_where_mujoco_starts(tmp_path):
         """<mujoco><compiler angle="radian"/><option gravity="0 0 -1.62"/><worldbody><body name="a" gravcomp="1">
         <joint name="j" axis="0 1 0" ref="0.5" stiffness="3"/><geom type="sphere" size="0.1" mass="1" pos="1 0 0"/>
         <body name="b"><joint name="s" type="slide" axis="1 0 0" ref="0.2"/><geom type="sphere" size="0.1" mass="1"/></body>
-        <body name="c" pos="0 0 1"><joint name="side" axis="0 1 0" ref="0.7"/><geom type="sphere" size="0.1" mass="2" pos="1 0 0"/>
+        <body name="c" pos="0 0 1"><joint name="side" axis="0 1 0" ref="0.7"/><geom type="sphere" size="0.1" mass="2"/>
         </body></body></worldbody></mujoco>""",
         encoding="utf-8",
     )

@@ -208,6 +208,7 @@ def test_there_are_enough_real_models():
 def test_real_model_agrees_with_mujoco(path):
     """A real model: every frame, every Jacobian, every mass and gravity, to 1e-12; floating ones from behind their joint."""
     judge = mujoco.MjModel.from_xml_path(str(path))
+    own_gravity = ["KS176"] * (judge.opt.gravity.tolist() != [0, 0, -9.81])
     if judge.njnt and judge.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE:
         base = judge.body(judge.jnt_bodyid[0]).name
         with pytest.raises(ks.RobotFileError, match=f"KS140.*\n.*base='{base}'"):
@@ -217,7 +218,6 @@ def test_real_model_agrees_with_mujoco(path):
     arm, judge = compare(path)
     check_masses(arm, judge)
     loops = int(np.sum(judge.eq_type == mujoco.mjtEq.mjEQ_CONNECT))
-    own_gravity = ["KS176"] * (judge.opt.gravity.tolist() != [0, 0, -9.81])
     springs = ["KS178"] * bool(np.any(judge.jnt_stiffness))
     closed = ["KS173"] * loops  # a model closed by <connect> is a tree here
     assert [finding.code for finding in arm.findings] == closed + own_gravity + springs
