@@ -200,6 +200,7 @@ def single_calls(robot: Subject, loop: PinocchioLoop | None, limit: ctypes.CDLL 
     del loop, limit
     n, ev, arm = robot.arm.n, robot.evaluator, robot.arm
     q = robot.configurations(100)
+    eight = np.array(q[:8])
     one, out, own = np.array(q[0]), np.zeros((6, n)), np.ascontiguousarray(q[0][list(robot.order)])
     to = np.empty((100, 6, n))
     model, data, tool, frame = robot.model, robot.data, robot.tool, pin.LOCAL_WORLD_ALIGNED
@@ -208,7 +209,7 @@ def single_calls(robot: Subject, loop: PinocchioLoop | None, limit: ctypes.CDLL 
         "call": (lambda: ev.jacobian(one), 1),
         "out": (lambda: ev.jacobian(one, out=out), 1),
         "friendly": (lambda: ks.jacobian(arm, one), 1),
-        "eight": (lambda: ev.jacobian(q[:8]), 8),
+        "eight": (lambda: ev.jacobian(eight), 8),
         "hundred": (lambda: ev.jacobian(q), 100),
         "loop": (peers.pinocchio_python(robot, np.ascontiguousarray(q[:, robot.order]), to), 100),
         "loop of eight": (peers.pinocchio_python(robot, np.ascontiguousarray(q[:8, robot.order]), to[:8]), 8),

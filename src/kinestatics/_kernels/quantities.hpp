@@ -28,7 +28,7 @@ KS_INLINE void read_last(const Input &in, ptrdiff_t i, ptrdiff_t n) {
 }
 static inline size_t line_buffer_at(const Program &c, bool hessian) { return (block_size(c, hessian) + 63) / 64 * 64; }
 static inline size_t sweep_size(const Program &c, bool hessian) {
-  return line_buffer_at(c, hessian) + LineWriter::COLLECTED + (entries_size(c, hessian) * LANES + 127) / 64 * 64;
+  return line_buffer_at(c, hessian) + 2 * LineWriter::half(entries_size(c, hessian));
 }
 KS_INLINE double *line_buffer(const Program &c, double *scratch, bool hessian = false) {
   return scratch + line_buffer_at(c, hessian);
@@ -39,7 +39,7 @@ KS_INLINE void sweep(const Input *inputs, int count, ptrdiff_t n, const V *entri
                      Compute compute) {
   ptrdiff_t i = 0;
   if (n * size * (ptrdiff_t)sizeof(double) >= STREAM_BYTES) {
-    LineWriter lines(out, buffer);
+    LineWriter lines(out, buffer, size);
     for (; i + LANES <= n; i += LANES) {
       for (int k = 0; k < count; k++) read_input(inputs[k], i, n);
       compute();

@@ -78,48 +78,43 @@ KS_INLINE void read_rows(const double *rows, int size, ptrdiff_t readable, V *en
   }
 }
 
-// Large outputs bypass the caches: rows are collected in `buffer` and leave it as whole 64-byte lines, one block late, since
-// a line that was only just put together would wait for its own stores. The first and the last line may belong partly to
-// someone else; these are written with plain stores.
+// Large outputs bypass the caches: rows are put together in a buffer and leave it as whole 64-byte lines, one block late,
+// since a line that was only just put together would wait for its own stores. The buffer has two halves, one filled while
+// the other waits. The first and the last line may belong partly to someone else; these are written with plain stores.
 class LineWriter {
  public:
-  static constexpr int COLLECTED = 256;  // doubles; the buffer holds so many and one block more
-  LineWriter(double *out, double *buffer) : buffer_(buffer), begin_(out) {
-    filled_ = (int)(((uintptr_t)out & 63) / sizeof(double));
-    line_ = out - filled_;
+  static constexpr size_t half(size_t entries) { return (entries * LANES + 15) / 8 * 8; }  // doubles; two are needed
+  LineWriter(double *out, double *buffer, int size) : ready_(buffer), free_(buffer + half(size)), begin_(out) {
+    left_ = (int)(((uintptr_t)out & 63) / sizeof(double));
+    line_ = out - left_;
   }
   KS_INLINE_METHOD void put(const V *entries, int size) {
-    write_rows(entries, size, buffer_ + filled_);
-    send(filled_ & ~7);
-    filled_ += size * LANES;
-    if (filled_ >= COLLECTED) restart();
+    for (int k = 0; k < left_; k++) free_[k] = ready_[whole_ + k];  // the beginning of a line that this block completes
+    write_rows(entries, size, free_ + left_);
+    send();
+    const int filled = left_ + size * LANES;
+    whole_ = filled & ~7, left_ = filled & 7;
+    double *const sent = ready_;
+    ready_ = free_, free_ = sent;
   }
   void finish() {
-    restart();
-    for (int k = 0; k < filled_; k++)
-      if (line_ + k >= begin_) line_[k] = buffer_[k];
+    send();
+    for (int k = 0; k < left_; k++)
+      if (line_ + k >= begin_) line_[k] = ready_[whole_ + k];
 #if defined(__x86_64__)
     _mm_sfence();
 #endif
   }
 
  private:
-  KS_INLINE_METHOD void send(int end) {  // what the buffer holds before `end`, a whole number of lines
-    if (__builtin_expect(line_ < begin_, 0) && end) {
-      for (int k = (int)(begin_ - line_); k < 8; k++) line_[k] = buffer_[k];
-      begin_ = line_;  // from here on every line is ours
-      sent_ = 8;
+  KS_INLINE_METHOD void send() {
+    int k = 0;
+    if (__builtin_expect(line_ < begin_, 0) && whole_) {
+      for (k = (int)(begin_ - line_); k < 8; k++) line_[k] = ready_[k];
     }
-KS_UNROLL
-    for (; sent_ < end; sent_ += 8) stream_line(line_ + sent_, buffer_ + sent_);
-  }
-  void restart() {  // sends all whole lines and begins the buffer anew with the rest
-    const int whole = filled_ & ~7;
-    send(whole);
-    line_ += whole;
-    filled_ -= whole;
-    sent_ = 0;
-    for (int k = 0; k < filled_; k++) buffer_[k] = buffer_[whole + k];
+    KS_UNROLL
+    for (; k < whole_; k += 8) stream_line(line_ + k, ready_ + k);
+    line_ += whole_;
   }
   KS_INLINE void stream_line(double *to, const double *from) {
 #if !defined(__x86_64__)
@@ -133,8 +128,9 @@ KS_UNROLL
     for (int k = 0; k < 8; k += 2) _mm_stream_pd(to + k, _mm_load_pd(from + k));
 #endif
   }
-  double *buffer_, *line_, *begin_;  // buffer_[k] belongs at line_[k]
-  int filled_, sent_ = 0;
+  double *ready_, *free_;   // ready_[k] belongs at line_[k]: whole lines that wait, then the beginning of one more
+  double *line_, *begin_;
+  int whole_ = 0, left_;
 };
 
 }  // namespace
