@@ -82,7 +82,7 @@ def named_frame(model: RobotModel, frame: Frame) -> Frame:
         hint = "ks.Frame.body(), ks.Frame.spatial(), or ks.Frame(axes, origin)"
         raise ArrayTypeError("KS302", f"frame is a {type(frame).__name__}; expected a Frame", hint)
     axes, origin = model.link_name(model.link(frame.axes)), model.link_name(model.link(frame.origin))
-    return Frame(axes, origin, tuple(float(x) for x in frame.offset))  # type: ignore[arg-type]
+    return Frame(axes, origin, checked_point(frame.offset))
 
 
 def _plan(model: RobotModel, at: str, point: Any, frame: Frame | None, relative_to: str | None = None) -> _Plan:
