@@ -296,7 +296,7 @@ def megabytes_at_most() -> float:
 
 def outcome(one: Input, folder: Path) -> tuple[str, str]:
     """("accepted" or a code, "") or ("broken", why)."""
-    began = time.process_time()
+    began, before = time.process_time(), megabytes_at_most()
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         warnings.simplefilter("ignore", ks.KinestaticsWarning)
@@ -309,7 +309,8 @@ def outcome(one: Input, folder: Path) -> tuple[str, str]:
             result = ("broken", traceback.format_exc(limit=-6))
     if (spent := time.process_time() - began) > SECONDS:
         return "broken", f"{spent:.1f} s of processor time"
-    if (most := megabytes_at_most()) > MEGABYTES:
+    allowed = MEGABYTES + (before if before > MEGABYTES else 0.0)  # in a process that was large already, what it has grown
+    if (most := megabytes_at_most()) > allowed:
         return "broken", f"{most:.0f} MB of memory"
     return result
 
