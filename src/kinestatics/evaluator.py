@@ -1,4 +1,4 @@
-"""Evaluator: the hot path. One target, one frame, bare NumPy arrays in and out, straight into the kernels. Floor 7."""
+"""Evaluator: the hot path. One target, one frame, bare NumPy arrays in and out, straight into the kernels. Floor 8."""
 
 from __future__ import annotations
 

@@ -32,6 +32,7 @@ class Namespace:
         stack, concat: as in the array API, taking (arrays, axis).
         broadcast: (array, shape) → the array repeated to that shape.
         constant: turns a NumPy array into an array of this library, with the type and device of a given one.
+        linalg: its linear algebra under the names of the array API (svdvals, solve, ...); None for SymPy.
     """
 
     name: str
@@ -41,13 +42,14 @@ class Namespace:
     concat: Callable[[Sequence[Array], int], Array]
     broadcast: Callable[[Array, tuple[int, ...]], Array]
     constant: Callable[[Array, Array], Array]
+    linalg: Any
 
 
 def _numpy_constant(value: Array, like: Array) -> Array:
     return value if value.dtype == object else value.astype(like.dtype, copy=False)
 
 
-_NUMPY = Namespace("numpy", np.sin, np.cos, np.stack, np.concatenate, np.broadcast_to, _numpy_constant)
+_NUMPY = Namespace("numpy", np.sin, np.cos, np.stack, np.concatenate, np.broadcast_to, _numpy_constant, np.linalg)
 
 
 @cache
@@ -66,7 +68,7 @@ def _sympy_namespace() -> Namespace:
         return elementwise(exact)(value.astype(object))
 
     sin, cos = elementwise(sympy.sin), elementwise(sympy.cos)
-    return Namespace("sympy", sin, cos, np.stack, np.concatenate, np.broadcast_to, constant)
+    return Namespace("sympy", sin, cos, np.stack, np.concatenate, np.broadcast_to, constant, None)
 
 
 def _jax_namespace() -> Namespace:
@@ -75,7 +77,7 @@ def _jax_namespace() -> Namespace:
     def constant(value: Array, like: Array) -> Array:
         return jnp.asarray(value, dtype=like.dtype)
 
-    return Namespace("jax", jnp.sin, jnp.cos, jnp.stack, jnp.concatenate, jnp.broadcast_to, constant)
+    return Namespace("jax", jnp.sin, jnp.cos, jnp.stack, jnp.concatenate, jnp.broadcast_to, constant, jnp.linalg)
 
 
 def _torch_namespace() -> Namespace:
@@ -84,7 +86,8 @@ def _torch_namespace() -> Namespace:
     def constant(value: Array, like: Array) -> Array:
         return torch.tensor(np.ascontiguousarray(value), dtype=like.dtype, device=like.device)
 
-    return Namespace("torch", torch.sin, torch.cos, torch.stack, torch.concatenate, torch.broadcast_to, constant)
+    functions = (torch.sin, torch.cos, torch.stack, torch.concatenate, torch.broadcast_to)
+    return Namespace("torch", *functions, constant, torch.linalg)
 
 
 def _is_symbolic(array: Array) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import operator
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -13,14 +13,16 @@ from . import definition
 from ._kernels import ALL_ROWS
 from .errors import ArrayTypeError, UnknownNameError
 from .frames import TIP, Frame
-from .kinematics import jacobian, require_model
+from .kinematics import Locator, jacobian, named_frame, require_model
 from .model import RobotModel
 from .namespaces import Array, as_array
+from .quantities import Jacobian
 from .spatial import ANGULAR, ANGULAR_ROWS, LINEAR, LINEAR_ROWS, ROW_NAMES, split_pose
 
 TASKS = {"full": ALL_ROWS, "position": LINEAR_ROWS, "orientation": ANGULAR_ROWS}
 _SAMPLES = 24
 _STRUCTURAL = 1e-9
+_CACHED_SAMPLES = 64
 _ROUNDING = 1e-13  # lengths below this share of the robot's largest dimension are rounding, not geometry
 
 
@@ -140,6 +142,22 @@ def find_task(
     return Task(rows, _rank(samples, rows), "rows", "the rows asked for")
 
 
+def task_of(J: Jacobian, task: str | Sequence[str] | Sequence[int] = "auto") -> Task:
+    """The rows in play for a Jacobian: those of its robot, link and frame, as in `find_task`.
+
+    Example:
+        >>> import kinestatics as ks
+        >>> task_of(ks.jacobian(ks.load("planar_2r"), [0.0, 0.5])).row_names
+        ('vx', 'vy')
+    """
+    return find_task(model_of(J), task, at=J.link, frame=J.frame)
+
+
+def model_of(J: Jacobian) -> RobotModel:
+    """The robot a Jacobian was made from."""
+    return cast(Locator, J._locate).model
+
+
 def _require_numbers(model: RobotModel) -> None:
     require_model(model)
     if model.is_symbolic:
@@ -175,6 +193,16 @@ def _row_index(row: Any) -> int:
 
 def _samples(model: RobotModel, at: str, frame: Frame | None) -> Array:
     """Jacobians at fixed pseudo-random configurations, with lengths in units of the arm's reach: (samples, 6, n)."""
+    key = (model.link(at), frame if frame is None else named_frame(model, frame))
+    known: dict[Any, Array] = model.__dict__.setdefault("_samples", {})
+    if key not in known:
+        if len(known) >= _CACHED_SAMPLES:
+            known.clear()
+        known[key] = _sampled(model, at, frame)
+    return known[key]
+
+
+def _sampled(model: RobotModel, at: str, frame: Frame | None) -> Array:
     rng = np.random.default_rng(20261124)
     q = rng.uniform(-np.pi, np.pi, (_SAMPLES, model.n))
     scaled = without_rounding(model, jacobian(model, q, at=at, frame=frame).array)

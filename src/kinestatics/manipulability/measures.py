@@ -1,4 +1,4 @@
-"""Measures of a Jacobian: functions of its rows only. Floor 6.
+"""Measures of a Jacobian: functions of its rows only. Floor 8.
 
 Determinants of J Jᵀ lose half the digits near a singularity; everything here goes through singular values.
 """
@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from .errors import ArrayTypeError
-from .namespaces import Array, as_array
+from ..errors import ArrayTypeError
+from ..namespaces import Array, as_array
 
 
 def _matrix(rows: Any) -> Array:

@@ -1,0 +1,44 @@
+"""Joint torques that hold a wrench: the transpose of the Jacobian. Source: note 000; MLS section 3.4."""
+
+from __future__ import annotations
+
+from ..errors import ArrayTypeError
+from ..namespaces import Array, as_array
+from ..quantities import Jacobian, Wrench, check_batches
+from ..spatial import rotate, transpose
+
+
+def joint_torques(J: Jacobian, wrench: Wrench) -> Array:
+    """The joint torques that hold a wrench in equilibrium.
+
+    Args:
+        J: Jacobian (..., 6, n) of the link the wrench acts at.
+        wrench: (..., 6) in the frame of J; `Wrench.on_environment` or `Wrench.on_robot` decides the sign.
+
+    Returns:
+        (..., n) [N m, or N for a prismatic joint]: Jᵀ w for what the robot exerts, -Jᵀ w for a load on the robot.
+
+    Raises:
+        FrameMismatchError: KS330, with the remedy.
+
+    Law: virtual work, τ · δq = w · V. Source: note 000; MLS eq. 3.61 (errata E001-3 for the sign).
+
+    Example:
+        >>> import kinestatics as ks
+        >>> J = ks.jacobian(ks.load("planar_2r"), [0.0, 0.0])
+        >>> ks.joint_torques(J, ks.Wrench.on_robot(force=(0, -10, 0)))
+        array([20., 10.])
+    """
+    if not (isinstance(J, Jacobian) and isinstance(wrench, Wrench)):
+        found = f"{type(J).__name__} and {type(wrench).__name__}"
+        hint = "J = ks.jacobian(arm, q); Wrench.on_robot(force=...) for a load, Wrench.on_environment(...) for a push"
+        raise ArrayTypeError("KS302", f"joint_torques takes a Jacobian and a Wrench, not {found}", hint)
+    J.require_frame(wrench.frame, "wrench")
+    sign = 1 if wrench.acts_on == "environment" else -1
+    (six, of_wrench), (matrix, of_J) = as_array(wrench.array), as_array(J.array, "the Jacobian")
+    if of_wrench.name == "numpy" != of_J.name:
+        six = of_J.constant(six, matrix)
+    elif of_J.name == "numpy" != of_wrench.name:
+        matrix = of_wrench.constant(matrix, six)
+    check_batches("the Jacobian", matrix.shape[:-2], "the wrench", six.shape[:-1])
+    return sign * rotate(transpose(matrix), six)
