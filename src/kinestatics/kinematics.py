@@ -40,10 +40,14 @@ class _Plan(NamedTuple):
 class Locator:
     """Where frames are, for one model at one configuration (or batch of them)."""
 
-    __slots__ = ("model", "q")
+    __slots__ = ("model", "q", "relative_to")
 
-    def __init__(self, model: RobotModel, q: Array) -> None:
-        self.model, self.q = model, q
+    def __init__(self, model: RobotModel, q: Array, relative_to: str | None = None) -> None:
+        self.model, self.q, self.relative_to = model, q, relative_to
+
+    def named(self, frame: Frame) -> Frame:
+        """The frame with link names."""
+        return named_frame(self.model, frame)
 
     def __call__(self, frame: Frame) -> tuple[Frame, Array, Array, Namespace]:
         """The frame with link names, its rotation and origin in base axes, and the array library."""
@@ -318,7 +322,7 @@ def relative_jacobian(
     plan = _plan(model, at, point, frame, relative_to)
     array, xp = configuration(model, q, check_finite)
     result = definition.jacobian(model, array, plan.target, xp)
-    return Jacobian(result, plan.frame, plan.link, model.joint_names, Locator(model, _own(array, q)))
+    return Jacobian(result, plan.frame, plan.link, model.joint_names, Locator(model, _own(array, q), relative_to))
 
 
 def hessian(

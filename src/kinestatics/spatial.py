@@ -22,6 +22,11 @@ LINEAR_ROWS: Final = (0, 1, 2)
 ANGULAR_ROWS: Final = (3, 4, 5)
 
 
+def size_weights(length: float) -> Array:
+    """(6) NumPy: metres for radians. |weights · V| is the size |(v, length · ω)|, |w / weights| is |(f, τ / length)|."""
+    return np.array([1.0, 1.0, 1.0, length, length, length])
+
+
 def swap_order(six: Array, axis: int = -1) -> Array:
     """A NumPy six-vector array with its linear and angular halves exchanged along `axis`."""
     return np.roll(six, 3, axis=axis)
@@ -103,6 +108,13 @@ def inverse_pose(T: Array) -> Array:
     return result
 
 
+def pose_residual(T: Array) -> float:
+    """By how much NumPy poses (..., 4, 4) miss being rotations and translations; the entries are finite."""
+    R, _ = split_pose(T)
+    misses = (transpose(R) @ R - np.eye(3), np.linalg.det(R) - 1, T[..., 3, :] - [0, 0, 0, 1])
+    return max(float(np.abs(miss).max(initial=0.0)) for miss in misses)
+
+
 def change_twist_frame(twist: Array, R: Array, p: Array, xp: Namespace) -> Array:
     """A twist written in axes A at A's origin, rewritten in axes B at B's origin.
 
@@ -127,6 +139,19 @@ def lie_bracket(a: Array, b: Array, xp: Namespace) -> Array:
     """[a, b] of twists: (ω_a × v_b - ω_b × v_a, ω_a × ω_b). MLS section 2.3, page 68 (with the sign of ad_a b)."""
     va, wa, vb, wb = a[..., LINEAR], a[..., ANGULAR], b[..., LINEAR], b[..., ANGULAR]
     return xp.concat([cross(wa, vb, xp) - cross(wb, va, xp), cross(wa, wb, xp)], -1)
+
+
+def adjoint_matrix(R: Array, p: Array, xp: Namespace) -> Array:
+    """(..., 6, 6) matrix Ad of a pose (R_a_b, p_a_b): V_a = Ad V_b of twists, F_b = Adᵀ F_a of wrenches (MLS eq. 2.58)."""
+    upper = xp.concat([R, hat(p, xp) @ R], -1)
+    return xp.concat([upper, xp.concat([0 * R, R], -1)], -2)
+
+
+def bracket_matrix(twist: Array, xp: Namespace) -> Array:
+    """(..., 6, 6) matrix ad of a twist: ad_a b = [a, b] of `lie_bracket`."""
+    turning, moving = hat(twist[..., ANGULAR], xp), hat(twist[..., LINEAR], xp)
+    upper = xp.concat([turning, moving], -1)
+    return xp.concat([upper, xp.concat([0 * turning, turning], -1)], -2)
 
 
 # The functions below are for NumPy only: they build models and print results, and are not part of the definition.

@@ -13,7 +13,7 @@ from . import definition
 from ._kernels import ALL_ROWS
 from .errors import ArrayTypeError, UnknownNameError
 from .frames import TIP, Frame
-from .kinematics import Locator, jacobian, named_frame, require_model
+from .kinematics import Locator, jacobian, named_frame, relative_jacobian, require_model
 from .model import RobotModel
 from .namespaces import Array, as_array
 from .quantities import Jacobian
@@ -132,11 +132,26 @@ def find_task(
         >>> ks.find_task(ks.load("planar_2r")).row_names
         ('vx', 'vy')
     """
+    return _task(model, task, at, frame, None)
+
+
+def _task(model: RobotModel, task: Any, at: str, frame: Frame | None, relative_to: str | None) -> Task:
     _require_numbers(model)
-    samples = _samples(model, at, frame)
-    if isinstance(task, str) and task in TASKS:
+    samples, known = _samples(model, at, frame, relative_to)
+    if not isinstance(task, str):
+        rows = _named_rows(task)
+        return Task(rows, _rank(samples, rows), "rows", "the rows asked for")
+    if task not in known:
+        if len(known) >= _CACHED_SAMPLES:
+            known.clear()
+        known[task] = _task_in_words(samples, task)
+    return known[task]
+
+
+def _task_in_words(samples: Array, task: str) -> Task:
+    if task in TASKS:
         return Task(TASKS[task], _rank(samples, TASKS[task]), task, f"the task asked for is {task!r}")
-    if isinstance(task, str) and task == "auto":
+    if task == "auto":
         return _automatic(samples)
     rows = _named_rows(task)
     return Task(rows, _rank(samples, rows), "rows", "the rows asked for")
@@ -150,7 +165,7 @@ def task_of(J: Jacobian, task: str | Sequence[str] | Sequence[int] = "auto") -> 
         >>> task_of(ks.jacobian(ks.load("planar_2r"), [0.0, 0.5])).row_names
         ('vx', 'vy')
     """
-    return find_task(model_of(J), task, at=J.link, frame=J.frame)
+    return _task(model_of(J), task, J.link, J.frame, cast(Locator, J._locate).relative_to)
 
 
 def model_of(J: Jacobian) -> RobotModel:
@@ -191,21 +206,31 @@ def _row_index(row: Any) -> int:
     return operator.index(row)
 
 
-def _samples(model: RobotModel, at: str, frame: Frame | None) -> Array:
-    """Jacobians at fixed pseudo-random configurations, with lengths in units of the arm's reach: (samples, 6, n)."""
-    key = (model.link(at), frame if frame is None else named_frame(model, frame))
-    known: dict[Any, Array] = model.__dict__.setdefault("_samples", {})
+def _samples(
+    model: RobotModel, at: str, frame: Frame | None, relative_to: str | None = None
+) -> tuple[Array, dict[str, Task]]:
+    """Jacobians at fixed pseudo-random configurations, with lengths in units of the arm's reach: (samples, 6, n).
+
+    Kept for the next question, together with the tasks found in them.
+    """
+    reference = None if relative_to is None else model.link(relative_to)
+    key = (model.link(at), frame if frame is None else named_frame(model, frame), reference)
+    known: dict[Any, tuple[Array, dict[str, Task]]] = model.__dict__.setdefault("_samples", {})
     if key not in known:
         if len(known) >= _CACHED_SAMPLES:
             known.clear()
-        known[key] = _sampled(model, at, frame)
+        known[key] = (_sampled(model, at, frame, relative_to), {})
     return known[key]
 
 
-def _sampled(model: RobotModel, at: str, frame: Frame | None) -> Array:
+def _sampled(model: RobotModel, at: str, frame: Frame | None, relative_to: str | None) -> Array:
     rng = np.random.default_rng(20261124)
     q = rng.uniform(-np.pi, np.pi, (_SAMPLES, model.n))
-    scaled = without_rounding(model, jacobian(model, q, at=at, frame=frame).array)
+    if relative_to is None:
+        J = jacobian(model, q, at=at, frame=frame)
+    else:
+        J = relative_jacobian(model, q, at=at, relative_to=relative_to, frame=frame)
+    scaled = without_rounding(model, J.array)
     lengths = scaled[:, list(LINEAR_ROWS)]
     largest = np.abs(lengths).max(initial=0.0)
     if largest > 0:
@@ -220,9 +245,9 @@ def _rank(samples: Array, rows: Sequence[int]) -> int:
     return int((sigma > _STRUCTURAL * sigma.max(initial=0.0)).sum(-1).max())
 
 
-def moving_columns(model: RobotModel, rows: Sequence[int], at: str = TIP) -> Array:
+def moving_columns(model: RobotModel, rows: Sequence[int], at: str = TIP, frame: Frame | None = None) -> Array:
     """(n) whether a joint moves these rows in any posture."""
-    return np.abs(_samples(model, at, None)[:, list(rows)]).max(axis=(0, 1), initial=0.0) > _STRUCTURAL
+    return np.abs(_samples(model, at, frame)[0][:, list(rows)]).max(axis=(0, 1), initial=0.0) > _STRUCTURAL
 
 
 def _automatic(samples: Array) -> Task:

@@ -1,0 +1,42 @@
+"""Numbers, tables and paragraphs as people read them."""
+
+from __future__ import annotations
+
+import textwrap
+from typing import Any
+
+WIDTH = 80
+"""Columns of text that printed results keep to, where the names of links and joints allow it."""
+TIED = "\u00a0"
+"""A space at which no line is broken; printed as an ordinary one."""
+
+
+def format_number(x: Any) -> str:
+    """Four decimals at most, no minus before a rounded zero; symbols as they are."""
+    try:
+        value = float(x)
+    except (TypeError, ValueError):
+        return str(x)
+    if value != 0 and (abs(value) < 5e-5 or abs(value) >= 1e6):
+        return "0" if abs(value) < 1e-12 else f"{value:.3g}"
+    text = f"{value:.4f}".rstrip("0").rstrip(".")
+    return "0" if text in ("-0", "") else text
+
+
+def table(rows: list[list[str]]) -> str:
+    """Cells in columns; the first column is flush left, the others right."""
+    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
+    lines = []
+    for row in rows:
+        cells = [row[0].ljust(widths[0])] + [cell.rjust(width) for cell, width in zip(row[1:], widths[1:], strict=True)]
+        lines.append("  ".join(cells).rstrip())
+    return "\n".join(lines)
+
+
+def wrapped(label: str, text: str, hang: int = 0) -> str:
+    """The text behind a label, its further lines indented; names are never broken, nor lines at a tied space."""
+    indent = " " * (len(label) + hang)
+    filled = textwrap.fill(
+        text, WIDTH, initial_indent=label, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False
+    )
+    return filled.replace(TIED, " ")
