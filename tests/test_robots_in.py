@@ -739,3 +739,18 @@ def test_large_angles_in_a_table_are_not_rounded_to_right_angles(turns):
     with pytest.warns(ks.KinestaticsWarning, match="KS204") if turns > 4 else contextlib.nullcontext():
         arm = ks.from_dh([(1.0, 0.0, 0.0, angle)], convention="standard")
     np.testing.assert_allclose(ks.pose(arm, [0.0]).translation, [math.cos(angle), math.sin(angle), 0], atol=1e-15)
+
+
+def test_lengths_of_numbers_go_with_masses_of_symbols():
+    """Kinematics at numbers; gravity torques are expressions; an Evaluator refuses to leave the masses out."""
+    sympy = pytest.importorskip("sympy")
+    m = sympy.Symbol("m")
+    for masses, centers in (([m, m], [(-0.5, 0, 0)] * 2), ([2.0, 3.0], [(-m, 0, 0)] * 2)):
+        arm = ks.from_dh([(1, 0, 0, 0), (1, 0, 0, 0)], convention="standard", masses=masses, centers_of_mass=centers)
+        np.testing.assert_allclose(ks.pose(arm, [0.0, 0.0]).translation, [2, 0, 0])
+        torques = ks.gravity_torques(arm, [0.0, 0.0], gravity=(0, -10, 0))
+        assert all(sympy.sympify(t).has(m) for t in torques)
+        evaluator = ks.Evaluator(arm)
+        assert evaluator.jacobian([0.0, 0.0])[1].tolist() == [2.0, 1.0]
+        with pytest.raises(ks.ArrayTypeError, match="KS302"):
+            evaluator.gravity_torques([0.0, 0.0])

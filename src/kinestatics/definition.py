@@ -204,3 +204,40 @@ def gravity_torques_by_link(model: RobotModel, q: Array, gravity: Array, xp: Nam
 def gravity_torques(model: RobotModel, q: Array, gravity: Array, xp: Namespace) -> Array:
     """(..., n): the joint torques that hold the arm still against gravity, summed over its links."""
     return gravity_torques_by_link(model, q, gravity, xp).sum(-2)
+
+
+def centers_of_mass(model: RobotModel, q: Array, xp: Namespace) -> Array:
+    """(..., L, 3): every link's centre of mass, seen from the base."""
+    model = in_library(model, q, xp)
+    poses = joint_poses(model, q, xp)
+    places = range(len(model.link_names))
+    points = [link_pose(model, poses, link, q, xp, model.centers_of_mass[link, ...])[1] for link in places]
+    return xp.stack(points, -2)
+
+
+def potential_energy_by_link(model: RobotModel, q: Array, gravity: Array, xp: Namespace) -> Array:
+    """(..., L): -m gᵀ p_com, zero for a mass at the base origin (MLS section 4.2)."""
+    weights = xp.constant(model.masses, q)[:, None] * xp.constant(np.asarray(gravity), q)
+    return -(centers_of_mass(model, q, xp) * weights).sum(-1)
+
+
+def mass_matrix(model: RobotModel, q: Array, xp: Namespace) -> Array:
+    """(..., n, n): Σ J_comᵀ m J_com + J_ωᵀ I J_ω over the links; the kinetic energy is ½ q̇ᵀ M q̇ (MLS section 4.3)."""
+    heavy = (model.masses != 0) | (model.inertias != 0).any((-1, -2))
+    moved = [link for link, joint in enumerate(model.link_joints) if joint >= 0 and heavy[link]]
+    folding = xp.constant(model.folding, q)
+    carried = {link: xp.constant(_carries(model, link), q) for link in moved}
+    model = in_library(model, q, xp)
+    if not moved:
+        return xp.constant(np.zeros((*q.shape[:-1], model.n, model.n)), q)
+    poses = joint_poses(model, q, xp)
+    twists = spatial_twists(model, poses, xp)
+    v, w = twists[..., LINEAR], twists[..., ANGULAR]
+    total: Array = 0
+    for link, mask in carried.items():
+        R, center = link_pose(model, poses, link, q, xp, model.centers_of_mass[link, ...])
+        velocity = (v + cross(w, center[..., None, :], xp)) * mask[:, None]
+        turning = (w * mask[:, None]) @ R  # rows in the link's axes
+        inertia = model.inertias[link, ...]
+        total = total + model.masses[link] * (velocity @ transpose(velocity)) + turning @ inertia @ transpose(turning)
+    return transpose(folding) @ total @ folding

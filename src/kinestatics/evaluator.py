@@ -101,6 +101,9 @@ class Evaluator(Chain):
         """What holds the arm against gravity, q (..., n) → (..., n) [N m, N]; KS320 when no masses are known."""
         if not self._has_masses:
             raise missing_masses(self.model)
+        if self.model.has_symbolic_masses:
+            hint = "use kinestatics.gravity_torques(arm, q)"
+            raise ArrayTypeError("KS302", f"the masses of robot {self.model.name!r} are symbols", hint)
         return super().gravity_torques(q, out, threads)
 
     def __reduce__(self) -> tuple[Any, ...]:

@@ -7,22 +7,56 @@ so that no formula needs to ask for a joint's type. A mimic joint shares the col
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+import warnings
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from .errors import ConfigurationError, Finding, RobotDefinitionError, UnknownNameError, nearest
+from .errors import (
+    ConfigurationError,
+    Finding,
+    KinestaticsWarning,
+    RobotDefinitionError,
+    UnknownNameError,
+    nearest,
+)
 from .frames import BASE, TIP
-from .namespaces import Array
+from .namespaces import Array, as_array
 
 _ARRAYS = ("placements", "screws", "multipliers", "offsets", "link_placements", "masses", "centers_of_mass", "inertias")
 
 
 _NO_LIMIT = 1e6
 """Some files write "no limit" as a large number; from here on [rad or m] one is taken for none when sampling."""
+
+_LARGEST = 1e50
+"""Masses and lengths above this overflow once they are multiplied; no load has them."""
+_SOUND = 1e-9
+"""An inertia may miss symmetry, or a moment its bound, by this share of its largest entry: files are rounded."""
+
+
+def _check_load(mass: Array, inertia: Array) -> None:
+    """Raises RobotDefinitionError (KS324) unless a rigid body can have this mass and this inertia about its centre."""
+    if mass.dtype != object and not mass > 0:
+        raise RobotDefinitionError("KS324", f"payload: mass is {float(mass):g} kg", "a load has a positive mass")
+    if inertia.dtype == object:
+        return
+    slack = _SOUND * float(np.abs(inertia).max())
+    if np.abs(inertia - inertia.T).max() > slack:
+        raise RobotDefinitionError(
+            "KS324", "payload: inertia is not symmetric", "give ixx ixy ixz / ixy iyy iyz / ixz iyz izz"
+        )
+    moments = np.linalg.eigvalsh(inertia)
+    if moments[0] < -slack:
+        raise RobotDefinitionError(
+            "KS324", "payload: inertia is not positive semidefinite", "is it about the centre of mass?"
+        )
+    if moments[0] + moments[1] < moments[2] - slack:
+        hint = "the largest of the three moments is at most the sum of the others"
+        raise RobotDefinitionError("KS324", "payload: no rigid body has this inertia (triangle inequality)", hint)
 
 
 def _read_only(value: Array) -> Array:
@@ -118,7 +152,12 @@ class RobotModel:
         """Whether lengths or angles are SymPy expressions."""
         return bool(self.placements.dtype == object)
 
-    @property
+    @cached_property
+    def has_symbolic_masses(self) -> bool:
+        """Whether masses or their centres are SymPy expressions; lengths may be numbers all the same."""
+        return object in (self.masses.dtype, self.centers_of_mass.dtype)
+
+    @cached_property
     def has_masses(self) -> bool:
         """Whether any link has a mass."""
         return bool(self.masses.dtype == object or np.any(self.masses > 0))
@@ -193,6 +232,75 @@ class RobotModel:
         if q.shape != (self.n,):
             raise ConfigurationError("KS303", f"home has shape {q.shape}; expected ({self.n},)")
         return replace(self, home=q)
+
+    def with_payload(
+        self,
+        mass: Any,
+        center: Sequence[Any] = (0.0, 0.0, 0.0),
+        inertia: Any = None,
+        at: str = TIP,
+        name: str = "payload",
+    ) -> RobotModel:
+        """The model with one more massive link: a load that is held fast by a link, and that every quantity then carries.
+
+        Args:
+            mass: [kg], positive; an expression of symbols for a robot of symbols.
+            center: (3) centre of mass, in the axes of `at`, from its origin [m].
+            inertia: (3, 3) about that centre, in the same axes [kg m²]; default none: a point mass.
+            at: link that holds the load.
+            name: of the new link, whose axes are those of `at`. Several payloads need names of their own.
+
+        Raises:
+            RobotDefinitionError: KS324, no load has such a mass, centre, inertia or name.
+            UnknownNameError: KS310 or KS311, no such link.
+
+        Warns:
+            KinestaticsWarning: KS325, when the masses of the arm itself are unknown; it is also among the findings.
+
+        Example:
+            >>> import kinestatics as ks
+            >>> arm = ks.load("planar_2r").with_payload(10.0)
+            >>> ks.gravity_torques(arm, [0, 0], gravity=(0, -9.81, 0)) - ks.gravity_torques(
+            ...     ks.load("planar_2r"), [0, 0], gravity=(0, -9.81, 0))
+            array([196.2,  98.1])
+        """
+        link = self.link(at)
+        if not isinstance(name, str) or name in ("", BASE, TIP, *self.link_names) or name.startswith("link:"):
+            message = f"payload: {name!r} cannot be the name of a link of robot {self.name!r}"
+            raise RobotDefinitionError("KS324", message, "give a name that is not taken: name='payload2'")
+        load = [self._load_part(*part) for part in (("mass", mass, ()), ("center", center, (3,)))]
+        moments = self._load_part("inertia", np.zeros((3, 3)) if inertia is None else inertia, (3, 3))
+        _check_load(load[0], moments)
+        findings = self.findings
+        if not self.has_masses:
+            message = f"robot {self.name!r} has no masses of its own: gravity is that of the payload {name!r} alone"
+            findings = (*findings, Finding("KS325", message))
+            warnings.warn(f"KS325: {message}", KinestaticsWarning, stacklevel=2)
+        return replace(
+            self,
+            link_names=(*self.link_names, name),
+            link_joints=(*self.link_joints, self.link_joints[link]),
+            link_placements=np.concatenate([self.link_placements, self.link_placements[[link]]]),
+            masses=np.append(self.masses, load[0]),
+            centers_of_mass=np.concatenate([self.centers_of_mass, load[1][None]]),
+            inertias=np.concatenate([self.inertias, moments[None]]),
+            findings=findings,
+        )
+
+    def _load_part(self, what: str, value: Any, shape: tuple[int, ...]) -> Array:
+        """One number, vector or matrix of a payload: finite numbers, or symbols where the robot has symbols."""
+        try:
+            array, xp = as_array(value, f"payload: {what}")
+        except (TypeError, ValueError):
+            array, xp = np.zeros(0), None
+        symbols = xp is not None and xp.name == "sympy" and (self.is_symbolic or self.masses.dtype == object)
+        if xp is None or tuple(array.shape) != shape or (xp.name != "numpy" and not symbols):
+            hint = "mass [kg], center (3) [m], inertia (3, 3) [kg m²]; symbols only where the robot has some"
+            expected = f"expected {'a number' if not shape else f'numbers of shape {shape}'}"
+            raise RobotDefinitionError("KS324", f"payload: {what} is {value!r}; {expected}", hint)
+        if not symbols and not np.all(np.abs(array) < _LARGEST):
+            raise RobotDefinitionError("KS324", f"payload: {what} is {value!r}", "give finite numbers")
+        return array
 
     def random_configurations(self, count: int, seed: int) -> Array:
         """(count, n) configurations, uniform within the limits; joints without limits turn within ±π (or ±1 m).

@@ -33,7 +33,7 @@ def chain_arguments(
     """Arguments that make a `Chain`: the program of one target of a model.
 
     Args:
-        model: the robot; its arrays must be float64.
+        model: the robot; its lengths must be float64. Masses that are symbols count as none.
         link: index of the target link; its frame is displaced by `offset` [m] in its own axes.
         axes_of_target: write six-vectors in the target's axes, else in base axes.
         origin_at_base: take them at the base origin, else at the target's.
@@ -43,7 +43,7 @@ def chain_arguments(
     """
     path = model.path(model.link_joints[link])
     turn, strength = gravity_base(gravity)
-    tree = compile_joints(model, tuple(range(len(model.parents))), turn, masses=True)
+    tree = compile_joints(model, tuple(range(len(model.parents))), turn, masses=not model.has_symbolic_masses)
     tail = compile_tail(model, link, offset, path)
     return (
         compile_joints(model, path).tobytes(),

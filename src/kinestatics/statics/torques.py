@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from ..errors import ArrayTypeError
-from ..namespaces import Array, as_array
-from ..quantities import Jacobian, Wrench, check_batches
+from ..namespaces import Array
+from ..quantities import Jacobian, Wrench, check_batches, in_one_library
 from ..spatial import rotate, transpose
 
 
@@ -35,10 +35,6 @@ def joint_torques(J: Jacobian, wrench: Wrench) -> Array:
         raise ArrayTypeError("KS302", f"joint_torques takes a Jacobian and a Wrench, not {found}", hint)
     J.require_frame(wrench.frame, "wrench")
     sign = 1 if wrench.acts_on == "environment" else -1
-    (six, of_wrench), (matrix, of_J) = as_array(wrench.array), as_array(J.array, "the Jacobian")
-    if of_wrench.name == "numpy" != of_J.name:
-        six = of_J.constant(six, matrix)
-    elif of_J.name == "numpy" != of_wrench.name:
-        matrix = of_wrench.constant(matrix, six)
+    (matrix, six), _ = in_one_library({"the Jacobian": J.array, "the wrench": wrench.array})
     check_batches("the Jacobian", matrix.shape[:-2], "the wrench", six.shape[:-1])
     return sign * rotate(transpose(matrix), six)
