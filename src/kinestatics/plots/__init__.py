@@ -1,0 +1,24 @@
+"""Pictures: arms, ellipsoids, polytopes, lost directions, loads and torques, ready for a paper. Floor 10.
+
+They render what the floors below computed; nothing is computed here but where on the paper it goes. Each function is one
+call and returns matplotlib axes. matplotlib is imported when the first picture is drawn.
+"""
+
+from .arm import arm
+from .ellipsoids import force_ellipsoid, velocity_ellipsoid
+from .page import analysis
+from .polytopes import force_polytope, velocity_polytope
+from .screws import lost_and_free
+from .torques import load, torque_bars
+
+__all__ = [
+    "analysis",
+    "arm",
+    "force_ellipsoid",
+    "force_polytope",
+    "load",
+    "lost_and_free",
+    "torque_bars",
+    "velocity_ellipsoid",
+    "velocity_polytope",
+]
