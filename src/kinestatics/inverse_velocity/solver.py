@@ -1,0 +1,299 @@
+"""RateSolver: one bounded quadratic program a period, for control loops; bare arrays, nothing allocated but the answer."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from .._kernels import Chain, _core, chain_arguments
+from ..errors import ArrayTypeError, ConfigurationError, FrameMismatchError
+from ..frames import BASE, TIP, Frame
+from ..kinematics import checked_point, named_frame, require_model
+from ..model import RobotModel
+from ..namespaces import Array
+from ..quantities import SixVector
+from ..spatial import ANGULAR_ROWS
+from ..tasks import find_task
+from .limits import per_joint, position_range
+from .problem import checked_positive
+from .quadratic import Bounded, solve, solver
+
+_INSIDE = 1e-9
+"""Bounds are kept this much inside the limits, relative or in rad, so that the solver's own tolerance exceeds none."""
+_TOLERANCES = {"primal_tol": 1e-10}
+_NO_LIMIT = 1e30
+_LOOKS = 8
+"""Beside a position limit, in how many steps it is asked once how far the next one is."""
+_INFINITE = float("inf")
+_NDARRAY, _SIX, _largest, _multiply, _subtract = np.ndarray, (6,), _core.largest, np.multiply, np.subtract
+
+
+class RateSolver:
+    """Joint rates for a twist inside velocity, position and acceleration limits, one period after the other.
+
+    It is the program of `joint_rates(..., "qp")` with the bounds of `RateLimits.of`, on the rows in play. Rates are held
+    for `dt`; with accelerations known, those of the period before are remembered (`previous`; `reset()` starts at rest).
+    One solver serves one loop: it is not for several threads at once.
+
+    Args:
+        model: the robot.
+        at: link that is moved; point: (3) of it, in its axes [m].
+        frame: of the twists: Frame("base", at), the default, or Frame.body(at).
+        task: rows in play, as in `find_task`; the others are free.
+        dt: period [s].
+        acceleration: (n) or a number: the greatest |q̈| [rad/s² or m/s²]; None: any change of rate is allowed.
+        margin: (n) or a number: distance kept from the position limits [rad or m].
+        damping: λ of |J q̇ - ξ|² + λ² |q̇|² [the unit of the rows]. The program is in the squares of J, so that λ below
+            1e-6 of the largest singular value has no digits left.
+        length: a twist's size is |(v, length · ω)| [m].
+
+    Methods:
+        step(q, twist) → (n), for q (n) and a twist (6), NaN where a component is free.
+        reset(previous=None): the rates the next step starts from.
+
+    Raises:
+        ConfigurationError: KS301, KS303 by step; KS353, KS354. FrameMismatchError: KS331. ArrayTypeError: KS302.
+        MissingExtraError: KS400.
+
+    Law: min |J q̇ - ξ|² + λ² |q̇|² subject to the bounds of RateLimits.
+
+    Example:
+        >>> import kinestatics as ks
+        >>> arm = ks.load("panda")
+        >>> solver = ks.RateSolver(arm, dt=0.001)
+        >>> q = arm.home
+        >>> rates = solver.step(q, [0.1, 0, 0, 0, 0, 0])
+        >>> round(float((ks.jacobian(arm, q) @ rates).linear[0]), 4)
+        0.1
+    """
+
+    _of_q: Array
+    _ends: Array
+    _scale: Array
+    _most: Array
+    _least: Array
+    _half_step: Array
+    _countdown: int
+    _clearance: float
+    _braking: bool
+
+    def __init__(
+        self,
+        model: RobotModel,
+        *,
+        at: str = TIP,
+        point: Sequence[float] = (0.0, 0.0, 0.0),
+        frame: Frame | None = None,
+        task: str | Sequence[str] | Sequence[int] = "auto",
+        dt: float,
+        acceleration: Any = None,
+        margin: Any = 0.0,
+        damping: float = 1e-3,
+        length: float = 1.0,
+    ) -> None:
+        require_model(model)
+        self.model, self.dt = model, checked_positive(dt, "dt", "the period in seconds")
+        self.damping = checked_positive(damping, "damping", "in the unit of the rows")
+        chain, self.frame = _chain(model, at, checked_point(point), frame)
+        self._jacobian = chain.jacobian
+        self.task = find_task(model, task, at=at, frame=frame)
+        self._read_rows(checked_positive(length, "length", "the characteristic length in metres"))
+        self._read_limits(margin, acceleration)
+        self._start_solver()
+        self.reset()
+
+    def step(self, q: Any, twist: Any) -> Array:
+        """The rates for the coming period: q (n) [rad or m], twist (6) [m/s, rad/s] → (n) [rad/s or m/s]."""
+        if type(twist) is not _NDARRAY or twist.shape != _SIX:
+            twist = self._read_twist(twist)
+        most = _largest(q)
+        if most is None or not most < _INFINITE:
+            q = self._read_q(q)
+        self._jacobian(q, self._J)
+        _multiply(twist, self._minus, self._target)
+        if not _largest(self._target) < _INFINITE:  # type: ignore[operator]
+            self._free_rows(twist)
+        elif self._scaled:
+            _multiply(self._J, self._sizes, self._J)
+        self._square(self._rows, self._H)
+        self._project(self._J, self._f)
+        _subtract(q, self._seen_at, self._moved)
+        if _largest(self._moved) > self._clearance:  # type: ignore[operator]
+            self._look_at_positions(q)
+        if self._braking:
+            self._look_at_accelerations()
+        if self._shared:
+            self._update(self._H)
+        else:
+            self._update(self._H, self._f, None, self._upper, self._lower)
+        rates, _, flag, _ = self._solve()
+        if flag != 1:
+            rates = self._again()
+        if self._braking:
+            self._previous[:] = rates
+        return rates
+
+    def reset(self, previous: Any = None) -> None:
+        """Says at which rates (n) the arm moves before the next step, default none."""
+        rates = np.zeros(self.model.n) if previous is None else np.asarray(previous, dtype=np.float64)
+        if rates.shape != (self.model.n,) or not np.all(np.isfinite(rates)):
+            raise ConfigurationError("KS303", f"previous is {previous!r}", f"{self.model.n} finite rates")
+        self._previous = np.array(rates)
+
+    @property
+    def previous(self) -> Array:
+        """(n) the rates of the period before, where accelerations are limited [rad/s or m/s]."""
+        return self._previous.copy()
+
+    @property
+    def bounds(self) -> tuple[Array, Array]:
+        """(n), (n) lower and upper bounds of the last step [rad/s or m/s]."""
+        return self._lower.copy(), self._upper.copy()
+
+    def _look_at_positions(self, q: Array) -> None:
+        """Bounds from position and velocity limits, and how far q may move before they must be found again.
+
+        Within `_clearance` of the configuration at which they were looked at last, no joint comes as near to a position
+        limit as to be slowed down by it.
+        """
+        ahead, n = self._ahead, len(q)  # to the upper limits and to the lower ones: D/dt, or 2 a D where braking is planned
+        self._of_q.dot(q, ahead)
+        np.add(ahead, self._ends, ahead)
+        self._countdown -= 1
+        self._clearance = -1.0  # look again in the next step
+        if self._countdown <= 0:
+            self._countdown, self._clearance = _LOOKS, max(-1.0, float(((ahead - self._most) / self._scale).min()))
+            self._seen_at[:] = q
+        np.minimum(ahead, self._most, out=ahead)
+        np.maximum(ahead, self._least, out=ahead)
+        if self._braking:
+            np.sqrt(ahead, ahead)
+            np.subtract(ahead, self._half_step, ahead)
+        self._position[:n] = ahead[:n]
+        np.negative(ahead[n:], self._position[n:])
+
+    def _look_at_accelerations(self) -> None:
+        """The window around the rates before, which holds before the other bounds."""
+        window = self._window
+        self._of_previous.dot(self._previous, window)
+        np.add(window, self._steps, window)
+        np.minimum(self._position, self._fastest, out=self._bounds)
+        np.maximum(self._bounds, self._slowest, out=self._bounds)
+
+    def _read_rows(self, length: float) -> None:
+        """λ above J in one array, so that H is one product; the weights of rows in play and of the others, 0."""
+        n = self.model.n
+        weights = np.zeros(6)
+        for row in self.task.rows:
+            weights[row] = length if row in ANGULAR_ROWS else 1.0
+        whole = np.zeros((n + 6, n))
+        whole[:n] = self.damping * np.eye(n)
+        self._J, self._target, self._sizes, self._minus = whole[n:], np.zeros(6), weights[:, None].copy(), -weights
+        first = len(self.task.rows) if self.task.rows == tuple(range(len(self.task.rows))) else 6
+        self._scaled = bool(np.any(weights[:first] != 1.0))
+        self._rows, self._H, self._f = whole[: n + first], np.zeros((n, n)), np.zeros(n)
+        self._square, self._project = self._rows.T.dot, self._target.dot  # H = rowsᵀ rows, f = target J
+
+    def _read_limits(self, margin: Any, acceleration: Any) -> None:
+        """Constants of `_find_bounds`: first the upper bounds of all joints, then the lower ones."""
+        model, n, dt = self.model, self.model.n, self.dt
+        lower, upper = position_range(model, np.asarray(margin, dtype=float) + _INSIDE)
+        fastest = np.tile(np.minimum(model.velocity_limits * (1.0 - _INSIDE), _NO_LIMIT), 2)
+        self._seen_at, self._moved, self._ahead = np.zeros(n), np.zeros(n), np.zeros(2 * n)
+        self._position = self._bounds = np.zeros(2 * n)
+        self._clearance, self._countdown, self._braking = -1.0, 0, acceleration is not None
+        self._scale, self._most, self._least = np.full(2 * n, 1.0 / dt), fastest, np.zeros(2 * n)
+        if self._braking:
+            most = np.tile(per_joint(model, acceleration, "acceleration", positive=True) * (1.0 - _INSIDE), 2)
+            step, self._half_step = most * dt, 0.5 * most * dt
+            self._scale, self._most, self._least = 2.0 * most, (fastest + self._half_step) ** 2, self._half_step**2
+            self._of_previous, self._steps = np.tile(np.eye(n), (4, 1)), np.concatenate([step, -step])
+            self._window, self._bounds = np.zeros(4 * n), np.zeros(2 * n)
+            self._fastest, self._slowest = self._window[: 2 * n], self._window[2 * n :]
+        self._of_q = self._scale[:, None] * np.vstack([-np.eye(n), np.eye(n)])
+        self._ends = self._scale * np.concatenate([upper, -lower])
+        self._upper, self._lower = self._bounds[:n], self._bounds[n:]
+
+    def _start_solver(self) -> None:
+        """A workspace of DAQP; whether it reads our arrays where they lie, so that bounds need not be handed over."""
+        n = self.model.n
+        workspace = solver().Model()
+        workspace.settings = _TOLERANCES
+        self._update, self._solve = workspace.update, workspace.solve
+        self._H[:], self._f[:] = np.eye(n), -1.0
+        self._upper[:], self._lower[:] = 2.0, -2.0
+        workspace.setup(self._H, self._f, np.zeros((0, n)), self._upper, self._lower, np.zeros(n, dtype=np.intc))
+        self._solve()
+        self._upper[:], self._f[0] = 0.5, -0.25
+        self._update(self._H)
+        expected = np.full(n, 0.5)
+        expected[0] = 0.25
+        self._shared = bool(np.all(np.abs(self._solve()[0] - expected) < 1e-9))
+        self._clearance, self._countdown = -1.0, 0  # the bounds were overwritten
+
+    def _again(self) -> Array:
+        """The same program by the slower route, where DAQP has given up or was handed numbers out of scale."""
+        J, n = self._J, self.model.n
+        if not (np.all(np.isfinite(J)) and np.all(np.isfinite(self._bounds))):
+            raise ConfigurationError("KS356", "the program of this step is not finite", "q or the twist is far out of scale")
+        lower, upper = self._lower.copy(), np.maximum(self._upper, self._lower)
+        program = Bounded(J, -self._target, np.zeros(n), np.eye(n), lower, upper, self.damping)
+        found = solve(program, np.clip(np.zeros(n), lower, upper))
+        self._start_solver()
+        return np.clip(found, lower, upper)
+
+    def _read_twist(self, twist: Any) -> Array:
+        if isinstance(twist, SixVector):
+            written = named_frame(self.model, twist.frame)
+            if written != self.frame:
+                message = f"the solver ({self.frame}) and the twist ({written}) are written in different frames"
+                raise FrameMismatchError("KS330", message, f"RateSolver(..., frame={written!r}), or rewrite the twist")
+            twist = twist.array
+        array = np.asarray(twist, dtype=np.float64)
+        if array.shape != (6,):
+            hint = "6 numbers, linear first; NaN where a component is free"
+            raise ConfigurationError("KS303", f"the twist has shape {array.shape}", hint)
+        return array
+
+    def _read_q(self, q: Any) -> Array:
+        array = np.array(q, dtype=np.float64)
+        if array.shape != (self.model.n,):
+            raise ConfigurationError("KS303", f"q has shape {array.shape}; expected ({self.model.n},)", "one configuration")
+        if not np.all(np.isfinite(array)):
+            raise ConfigurationError("KS301", f"q is {array}", "pass finite numbers")
+        return array
+
+    def _free_rows(self, twist: Array) -> None:
+        """Leaves out the rows whose component is NaN.
+
+        Raises:
+            ConfigurationError: KS301 for an infinite component.
+        """
+        if np.isinf(twist).any():
+            raise ConfigurationError("KS301", f"the twist is {twist}", "finite numbers, or NaN where it is free")
+        free = np.isnan(twist)
+        self._J *= np.where(free[:, None], 0.0, self._sizes)
+        self._target[free] = 0.0
+
+    def __repr__(self) -> str:
+        return f"<RateSolver of {self.model.name!r}, {self.frame}, rows {', '.join(self.task.row_names)}, dt {self.dt:g} s>"
+
+
+def _chain(model: RobotModel, at: str, point: tuple[float, float, float], frame: Frame | None) -> tuple[Chain, Frame]:
+    """The compiled Jacobian of a link's point, in base axes or in the link's own.
+
+    Raises:
+        FrameMismatchError: KS331. ArrayTypeError: KS302, for a model with symbolic lengths.
+    """
+    if model.is_symbolic:
+        raise ArrayTypeError("KS302", f"robot {model.name!r} has symbolic lengths", "put numbers in place of the symbols")
+    link, base = model.link(at), model.link(BASE)
+    named = named_frame(model, (frame or Frame(BASE, at))._replace(offset=point))
+    axes, origin = model.link(named.axes), model.link(named.origin)
+    if axes not in (base, link) or origin != link:
+        hint = "twists at the link itself; other frames: the Jacobian's change_frame and joint_rates"
+        message = f"a RateSolver writes in axes of base or of {at!r}, at its point, not in {named}"
+        raise FrameMismatchError("KS331", message, hint)
+    return Chain(*chain_arguments(model, link, axes_of_target=axes == link != base, offset=point)), named
