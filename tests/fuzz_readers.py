@@ -28,7 +28,7 @@ import numpy as np
 
 import kinestatics as ks
 from corpus import malformed
-from kinestatics.cli.arguments import number, numbers, read_configuration, read_wrench
+from kinestatics.cli.arguments import number, numbers, read_configuration, read_loads, read_mounting, with_payloads
 from kinestatics.robots.assemble import assemble
 from kinestatics.robots.urdf import parse_urdf
 
@@ -255,12 +255,20 @@ def check_model(model: ks.RobotModel) -> None:
 def read_text(text: str) -> None:
     """Every place where the shell turns text into numbers; one after the other, each with its own refusal."""
     arm, refusals = ks.load("planar_2r"), []
-    for read in (number, numbers, lambda t: read_configuration(arm, t, 0), lambda t: read_wrench(t, None)):
+    readers = (
+        number,
+        numbers,
+        lambda t: read_configuration(arm, t, 0),
+        lambda t: [load.array for _, load in read_loads([t], None, "tip")],
+        lambda t: with_payloads(arm, [t]).masses,
+        read_mounting,
+    )
+    for read in readers:
         try:
             assert np.all(np.isfinite(np.asarray(read(text)))), "not finite"
         except ks.KinestaticsError as error:
             refusals.append(error)
-    if len(refusals) == 4:
+    if len(refusals) == len(readers):
         raise refusals[0]
 
 

@@ -555,7 +555,7 @@ def test_a_wrench_in_any_frame():
 def table_of(text):
     """The torque table of a printed analysis: {joint: numbers}."""
     lines = text.split("torques that hold the arm still")[1].splitlines()[2:]
-    rows = (line.split() for line in lines[: lines.index("")])
+    rows = (line.split() for line in lines[: lines.index("")] if not line.startswith("potential"))
     return {row[0]: [float(x) for x in row[1:] if re.fullmatch(NUMBER, x)] for row in rows}
 
 
@@ -593,7 +593,8 @@ def test_prismatic_joints_have_newtons_and_metres():
     a = ks.analyze(ks.load("rrp_note_000"), wrench=ks.Wrench.on_robot(force=(1, 2, 3)))
     text = str(a)
     assert "q = (0.4 rad, 0.3 rad, 0.8 m)" in text
-    units = [re.search(r"  (N(?: m)?)$", line)[1] for line in text.splitlines() if re.match(r"  joint\d .*N", line)]
+    table = text.split("torques that hold the arm still")[1]
+    units = [re.search(r"  (N(?: m)?)$", line)[1] for line in table.splitlines() if re.match(r"  joint\d .*N", line)]
     assert units == ["N m", "N m", "N"]
     assert "[N m]" in str(ks.analyze(ks.load("ur5e")))
 
@@ -667,7 +668,7 @@ def test_a_sliding_joint_near_its_limit_is_measured_in_metres():
         ({"q": [0, 0, 0, 0, 0, np.nan]}, "KS301"),
         ({"q": ["a"] * 6}, "KS302"),
         ({"wrench": ks.Wrench.on_robot(force=np.ones((4, 3)))}, "KS303"),
-        ({"wrench": ks.Wrench.on_robot(force=(np.nan, 0, 0))}, "KS303"),
+        ({"wrench": ks.Wrench.on_robot(force=(np.nan, 0, 0))}, "KS301"),
         ({"wrench": ks.Wrench.on_robot(force=(0, 0, 1e200))}, "KS301"),
         ({"wrench": ks.Wrench.on_robot(force=(0, 0, 1), frame=ks.Frame("nowhere", "tip"))}, "KS310"),
         ({"at": "nowhere"}, "KS310"),
@@ -705,7 +706,9 @@ def test_inputs_are_left_alone():
 KEYS = {
     "robot", "base", "tip", "joints", "configuration", "pose", "jacobian", "task", "rank", "singular", "singular_values",
     "condition", "characteristic_length", "scaled", "tolerance", "manipulability", "manipulability_unit", "lost_twists",
-    "free_wrenches", "gravity_torques", "wrench", "joint_torques", "effort_limits", "limits", "notes",
+    "free_wrenches", "gravity_torques", "wrench", "joint_torques", "effort_limits", "limits", "notes", "isotropy",
+    "velocity_ellipsoid", "force_ellipsoid", "abilities", "speed_rows", "payload_capacity", "gravity", "gravity_by_link",
+    "potential_energy", "loads", "holding_torques", "reactions",
 }  # fmt: skip
 
 

@@ -220,6 +220,29 @@ def test_options_that_the_help_of_analyze_promises(done):
     assert all(f'"{option}' in here for option in listed)
 
 
+def test_payload_mount_and_several_loads(shell):
+    """--payload, --mount and every --load and --push are those of the calls in Python."""
+    loads = ["--load", "0,0,-30", "--load", "forearm_link=0,5,0,0,0,1", "--push", "1,0,0"]
+    code, out, err = shell("analyze", "ur5e", *loads, "--payload", "2,0,0,0.1", "--mount", "wall", "--json")
+    assert (code, err) == (0, "")
+    found = strict(out)
+    arm = ks.load("ur5e").with_payload(2.0, (0, 0, 0.1))
+    asked = [
+        ("tip", ks.Wrench.on_robot(force=(0, 0, -30))),
+        ("forearm_link", ks.Wrench.on_robot(force=(0, 5, 0), torque=(0, 0, 1))),
+        ("tip", ks.Wrench.on_environment(force=(1, 0, 0))),
+    ]
+    expected = ks.holding_torques(arm, arm.home, asked, gravity=ks.gravity_in_base("wall"))
+    np.testing.assert_allclose(found["holding_torques"], expected, atol=1e-12)
+    assert [load["link"] for load in found["loads"]] == ["tool0", "forearm_link", "tool0"]
+    assert found["gravity"] == pytest.approx([9.81, 0, 0])
+    code, out, _ = shell(
+        "analyze", "ur5e", "--load", "0,0,-30", "--wrench-at", "forearm_link", "--mount", "0,pi,0", "--json"
+    )
+    assert strict(out)["loads"][0]["link"] == "forearm_link"
+    assert strict(out)["gravity"] == pytest.approx([0, 0, 9.81])
+
+
 def test_package_roots_and_xacro_options_are_passed_on(shell, tmp_path):
     """--package-root may be repeated; without --allow-xacro a xacro file is refused, and with it a wrong one still is."""
     code, _, err = shell("analyze", "ur5e", "--package-root", str(tmp_path), "--package-root", str(tmp_path))
@@ -256,7 +279,14 @@ def test_package_roots_and_xacro_options_are_passed_on(shell, tmp_path):
         (["analyze", "ur5e", "--push", ""], ["KS344"]),
         (["analyze", "ur5e", "--load", "1,2,3N"], ["KS340"]),
         (["analyze", "ur5e", "--load", "0,0,1e200"], ["KS301"]),
-        (["analyze", "ur5e", "--load", "1,2,3", "--push", "1,2,3"], ["KS343"]),
+        (["analyze", "ur5e", "--load", "=1,2,3"], ["KS344"]),
+        (["analyze", "ur5e", "--load", "forearm=1,2,3"], ["KS310", "'forearm_link'"]),
+        (["analyze", "ur5e", "--load", "1,2,3", "--wrench-at", "tool"], ["KS310", "'tool0'"]),
+        (["analyze", "ur5e", "--payload", "1,2"], ["KS347", "--payload has 2 numbers"]),
+        (["analyze", "ur5e", "--payload", "-1"], ["KS324", "positive"]),
+        (["analyze", "ur5e", "--payload", "tool=1"], ["KS310", "'tool0'"]),
+        (["analyze", "ur5e", "--mount", "roof"], ["KS322"]),
+        (["analyze", "ur5e", "--mount", "1,2"], ["KS348", "--mount has 2 numbers"]),
         (["analyze", "ur5e", "--task", "speed"], ["KS318"]),
         (["analyze", "ur5e", "--task", "vx,vq"], ["KS318", "'vq'"]),
         (["analyze", "ur5e", "--base", "bse"], ["KS310", "'base'"]),

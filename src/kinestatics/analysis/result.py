@@ -7,9 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from ..manipulability import Ellipsoid
 from ..namespaces import Array
 from ..quantities import Jacobian, Pose, Wrench
 from ..screws_in_words import Screw
+from ..statics import Capacity, JointReactions, LoadSplit
 from ..tasks import Task
 
 
@@ -27,6 +29,50 @@ class Margin:
     distance: float
     near: bool
     locked: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class AppliedLoad:
+    """A wrench that was asked about, and who holds it.
+
+    Attributes:
+        link: where it acts; wrench: with its frame named; split: the parts that motors and structure hold;
+        joint_torques: (n) what holds it [N m or N].
+    """
+
+    link: str
+    wrench: Wrench
+    split: LoadSplit
+    joint_torques: Array
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain lists, numbers and text."""
+        torques = self.joint_torques.tolist()
+        return {
+            "link": self.link,
+            "wrench": self.wrench.to_dict(),
+            "joint_torques": torques,
+            "split": self.split.to_dict(),
+        }
+
+
+@dataclass(frozen=True)
+class Ability:
+    """How fast and how strong the arm is along one direction, with the limits of its joints.
+
+    Attributes:
+        direction: a word, "+x" to "-z" of base.
+        speed: the greatest speed in this direction alone [m/s], all other rows of `speed_rows` at rest; None where velocity
+            limits are unknown. speed_joints: whose limits stop it.
+        push: the greatest force in this direction on the surroundings [N], the arm's weight taken off; infinite where the
+            structure makes it; None where effort limits or masses are unknown. push_joints: whose limit stops it.
+    """
+
+    direction: str
+    speed: float | None
+    speed_joints: tuple[str, ...]
+    push: float | None
+    push_joints: tuple[str, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,8 +95,15 @@ class Analysis:
         manipulability: product of the singular values of the bare rows in play (note 000); unit: of that product.
         tolerance: singular values below this fraction of the largest count as zero.
         lost_twists, free_wrenches: within the rows in play, in words and numbers.
-        gravity_torques: (n) what holds the arm [N m or N], or None when no masses are known.
-        wrench: what was asked about, or None; joint_torques: (n) what holds it, or None.
+        isotropy: geometric over arithmetic mean of the squared singular values, 1 where all directions are alike.
+        velocity_ellipsoid, force_ellipsoid: of the rows in play of one unit, linear before angular; None where none moves.
+        abilities: along ± each axis of base that a linear row in play has; speed_rows: the rows that a speed keeps at rest.
+        payload_capacity: the greatest mass at the tip [kg], or None where efforts or masses are unknown.
+        gravity: (3) in base axes [m/s²]; gravity_torques: (n) what holds the arm [N m or N], or None without masses.
+        gravity_by_link: the same for each link with a mass; potential_energy: [J], zero at the base origin.
+        loads: what was asked about; wrench: of the only one, or None; joint_torques: (n) what holds them all, or None.
+        holding_torques: (n) what holds arm and loads, or None when neither is known.
+        reactions: what each joint's bearing carries then, or None.
         effort_limits: (n) [N m or N], infinite where unknown.
         margins: one for each joint with limits.
         notes: sentences about missing data.
@@ -75,9 +128,20 @@ class Analysis:
     tolerance: float
     lost_twists: tuple[Screw, ...]
     free_wrenches: tuple[Screw, ...]
+    isotropy: float
+    velocity_ellipsoid: Ellipsoid | None
+    force_ellipsoid: Ellipsoid | None
+    abilities: tuple[Ability, ...]
+    speed_rows: tuple[str, ...]
+    payload_capacity: Capacity | None
+    gravity: Array
     gravity_torques: Array | None
-    wrench: Wrench | None
+    gravity_by_link: dict[str, Array] | None
+    potential_energy: float | None
+    loads: tuple[AppliedLoad, ...]
     joint_torques: Array | None
+    holding_torques: Array | None
+    reactions: JointReactions | None
     effort_limits: Array
     margins: tuple[Margin, ...]
     notes: tuple[str, ...]
@@ -87,8 +151,16 @@ class Analysis:
         """Whether the rank is less than the arm can have in these rows."""
         return self.rank < self.task.rank
 
+    @property
+    def wrench(self) -> Wrench | None:
+        """The wrench that was asked about, where it was one."""
+        return self.loads[0].wrench if len(self.loads) == 1 else None
+
     def to_dict(self) -> dict[str, Any]:
         """Plain lists, numbers and text, for JSON; unknown and infinite values are None."""
+        return {**self._motion_dict(), **self._statics_dict()}
+
+    def _motion_dict(self) -> dict[str, Any]:
         J = self.jacobian
         return {
             "robot": self.robot,
@@ -120,11 +192,28 @@ class Analysis:
             "manipulability_unit": self.manipulability_unit,
             "lost_twists": [screw.to_dict() for screw in self.lost_twists],
             "free_wrenches": [screw.to_dict() for screw in self.free_wrenches],
-            "gravity_torques": None if self.gravity_torques is None else self.gravity_torques.tolist(),
-            "wrench": None if self.wrench is None else _wrench_dict(self.wrench),
-            "joint_torques": None if self.joint_torques is None else self.joint_torques.tolist(),
-            "effort_limits": [_finite(x) for x in self.effort_limits],
+            "isotropy": self.isotropy,
+            "velocity_ellipsoid": _optional(self.velocity_ellipsoid),
+            "force_ellipsoid": _optional(self.force_ellipsoid),
+            "abilities": [_ability_dict(ability) for ability in self.abilities],
+            "speed_rows": list(self.speed_rows),
             "limits": [asdict(margin) for margin in self.margins],
+        }
+
+    def _statics_dict(self) -> dict[str, Any]:
+        by_link = self.gravity_by_link
+        return {
+            "gravity": self.gravity.tolist(),
+            "gravity_torques": _listed(self.gravity_torques),
+            "gravity_by_link": None if by_link is None else {name: torques.tolist() for name, torques in by_link.items()},
+            "potential_energy": self.potential_energy,
+            "wrench": None if self.wrench is None else self.wrench.to_dict(),
+            "loads": [load.to_dict() for load in self.loads],
+            "joint_torques": _listed(self.joint_torques),
+            "holding_torques": _listed(self.holding_torques),
+            "effort_limits": [_finite(x) for x in self.effort_limits],
+            "payload_capacity": _optional(self.payload_capacity),
+            "reactions": _optional(self.reactions),
             "notes": list(self.notes),
         }
 
@@ -138,12 +227,16 @@ def _finite(x: float) -> float | None:
     return float(x) if np.isfinite(x) else None
 
 
-def _wrench_dict(wrench: Wrench) -> dict[str, Any]:
-    return {
-        "force": np.asarray(wrench.force).tolist(),
-        "torque": np.asarray(wrench.torque).tolist(),
-        "acts_on": wrench.acts_on,
-        "axes": wrench.frame.axes,
-        "origin": wrench.frame.origin,
-        "offset": list(wrench.frame.offset),
-    }
+def _listed(array: Array | None) -> Any:
+    return None if array is None else array.tolist()
+
+
+def _optional(result: Any) -> dict[str, Any] | None:
+    return None if result is None else result.to_dict()
+
+
+def _ability_dict(ability: Ability) -> dict[str, Any]:
+    """As a dictionary; an unlimited push is null, with a word that tells it from an unknown one."""
+    unlimited = ability.push is not None and not np.isfinite(ability.push)
+    names = {"speed_joints": list(ability.speed_joints), "push_joints": list(ability.push_joints)}
+    return asdict(ability) | names | {"push": None if unlimited else ability.push, "push_unlimited": unlimited}

@@ -7,13 +7,14 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from ..namespaces import Array
-from ..quantities import TIED, format_number, wrapped
+from ..quantities import TIED, WIDTH, format_number, table, wrapped
 from .result import Analysis, Margin
 
 
 def paragraphs(a: Analysis) -> list[str]:
     """The parts of a printed analysis, from where the arm is to what is not known of it."""
-    parts = [_heading(a), str(a.pose), str(a.jacobian), _rank_text(a), _direction_text(a), _torque_text(a), _limit_text(a)]
+    parts = [_heading(a), str(a.pose), str(a.jacobian), _rank_text(a), _direction_text(a), _ellipsoid_text(a)]
+    parts += [_ability_text(a), *_load_texts(a), _torque_text(a), _reaction_text(a), _limit_text(a)]
     return [part for part in [*parts, "\n".join(wrapped("note: ", note) for note in a.notes)] if part]
 
 
@@ -55,6 +56,7 @@ def _rank_text(a: Analysis) -> str:
         lines.append(wrapped(" " * 17, f"({' and '.join(a.scaled)} times the characteristic length {length}{TIED}m)"))
     lines += [
         f"condition        {f'{a.condition:.4g}' if np.isfinite(a.condition) else 'infinite'}",
+        f"isotropy         {'0' if a.is_singular else f'{a.isotropy:.4g}'}",
         f"manipulability   {'0' if a.is_singular else f'{a.manipulability:.4g}'}{unit}",
     ]
     return "\n".join(lines)
@@ -73,28 +75,78 @@ def _direction_text(a: Analysis) -> str:
     return "\n".join([head, *lost, "wrenches held for free (no joint torque)", *free])
 
 
+def _ellipsoid_text(a: Analysis) -> str:
+    """Both ellipsoids as one table: they share their axes, and their radii are reciprocal."""
+    velocity, force = a.velocity_ellipsoid, a.force_ellipsoid
+    if velocity is None or force is None:
+        return ""
+    rows = [[f"speed [{velocity.unit}]", f"force [{force.unit}]", *velocity.rows]]
+    for speed, strength, axis in zip(velocity.radii, force.radii, velocity.axes.T, strict=True):
+        held = "unlimited" if np.isinf(strength) else format_number(strength)
+        rows.append([format_number(speed), held, *map(format_number, axis)])
+    return "\n".join(["ellipsoids of velocity and force (unit joint speeds, unit joint torques)", table(rows)])
+
+
+def _ability_text(a: Analysis) -> str:
+    """What the limits of the joints allow along each axis, and the payload."""
+    lines = []
+    if a.abilities:
+        lines.append("with the limits of the joints, along axes of base")
+        lines += _ability_table(a)
+        if rest := [row for row in a.speed_rows if not row.startswith("v")]:
+            lines.append(wrapped("", f"(the speed is that of pure translation: {', '.join(rest)} at rest)"))
+    if a.payload_capacity is not None:
+        lines.append(wrapped("", f"greatest mass held at {a.tip}: {a.payload_capacity.verdict}"))
+    return "\n".join(lines)
+
+
+def _ability_table(a: Analysis) -> list[str]:
+    """With the names of the limiting joints, or with their numbers where names would make it too wide."""
+    named = _abilities(a, {name: name for name in a.joints})
+    if len(named.partition("\n")[0]) <= WIDTH:
+        return [named]
+    used = {name for able in a.abilities for name in (*able.speed_joints, *able.push_joints)}
+    numbers = {name: f"joint {k + 1}" for k, name in enumerate(a.joints)}
+    listed = ", ".join(f"{k + 1}{TIED}{name}" for k, name in enumerate(a.joints) if name in used)
+    return [_abilities(a, numbers), wrapped("joints: ", listed)]
+
+
+def _abilities(a: Analysis, names: dict[str, str]) -> str:
+    rows = [["", "speed [m/s]", "limited by", "push [N]", "limited by"]]
+    for able in a.abilities:
+        cells = []
+        for value, joints in ((able.speed, able.speed_joints), (able.push, able.push_joints)):
+            shown = "unknown" if value is None else "unlimited" if np.isinf(value) else format_number(value)
+            cells += [shown, ", ".join(names[joint] for joint in joints)]
+        rows.append([able.direction, *cells])
+    return table(rows)
+
+
+def _load_texts(a: Analysis) -> list[str]:
+    """Who holds each load; the torques are in a table of their own."""
+    return [load.split.words for load in a.loads]
+
+
 def _torque_text(a: Analysis) -> str:
     columns: list[tuple[str, Array]] = []
     if a.gravity_torques is not None:
         columns.append(("gravity", a.gravity_torques))
     if a.joint_torques is not None:
-        columns.append(("wrench" if a.wrench is None else _WORDS[a.wrench.acts_on][0], a.joint_torques))
+        columns.append(("wrench" if a.wrench is None else _WORDS[a.wrench.acts_on], a.joint_torques))
     if not columns or not a.joints:
         return ""
-    if len(columns) == 2:
-        columns.append(("both", columns[0][1] + columns[1][1]))
+    if len(columns) == 2 and a.holding_torques is not None:
+        columns.append(("both", a.holding_torques))
     width = max(len(name) for name in a.joints)
     lines = ["torques that hold the arm still" + (" [N m]" if "prismatic" not in a.kinds else "")]
-    if a.wrench is not None:
-        values = ", ".join(format_number(x) for x in a.wrench.array)
-        text = f"({values}) [N, N m]: {_WORDS[a.wrench.acts_on][1]}; {a.wrench.frame}"
-        lines.insert(0, wrapped("wrench ", text))
     cells = [[name, *(format_number(x) for x in values)] for name, values in columns]
     cells.append(["limit", *(format_number(x) if np.isfinite(x) else "unknown" for x in a.effort_limits)])
     widths = [max(len(cell) for cell in column) + 2 for column in cells]
     for i, name in enumerate(["", *a.joints]):
         numbers = "".join(f"{column[i]:>{w}s}" for column, w in zip(cells, widths, strict=True))
         lines.append(f"  {name:{width}s}{numbers}{_torque_remark(a, i - 1, columns[-1][1]) if i else ''}")
+    if a.potential_energy is not None:
+        lines.append(wrapped("", f"potential energy {format_number(a.potential_energy)} J (zero at the origin of the base)"))
     return "\n".join(lines)
 
 
@@ -104,7 +156,18 @@ def _torque_remark(a: Analysis, i: int, torques: Array) -> str:
     return unit + ("  over the limit" if abs(torques[i]) > a.effort_limits[i] else "")
 
 
-_WORDS = {"robot": ("load", "a load on the robot"), "environment": ("push", "the robot pushes on its surroundings")}
+_WORDS = {"robot": "load", "environment": "push"}
+
+
+def _reaction_text(a: Analysis) -> str:
+    """What the bearings bear; the drive is in the torque table."""
+    found = a.reactions
+    if found is None or not found.joints:
+        return ""
+    rows = [["", "radial [N]", "axial [N]", "bending [N m]"]]
+    for name, radial, axial, bending in zip(found.joints, found.radial, found.axial, found.bending, strict=True):
+        rows.append([name, *map(format_number, (radial, axial, bending))])
+    return "\n".join(["what the bearings carry", table(rows)])
 
 
 def _limit_text(a: Analysis) -> str:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..errors import ConfigurationError, KinestaticsError, UnknownNameError, nearest
+from ..frames import TIP
 
 if TYPE_CHECKING:
     from ..model import RobotModel
@@ -35,6 +36,7 @@ AllowXacro = Annotated[
 ]
 Json = Annotated[bool, typer.Option("--json", help="Machine-readable output.")]
 
+_THREE = 3
 _OPERATIONS: dict[type[ast.AST], Callable[..., float]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
@@ -125,17 +127,45 @@ def read_configuration(model: RobotModel, at: str, seed: int) -> Array:
     return np.array(values, dtype=np.float64)
 
 
-def read_wrench(load_text: str | None, push_text: str | None) -> Wrench | None:
-    """--load (acts on the robot) or --push (the robot acts on its surroundings): 3 or 6 numbers."""
+def read_loads(loads: list[str] | None, pushes: list[str] | None, at: str) -> list[tuple[str, Wrench]]:
+    """Every --load (acts on the robot) and --push (the robot acts on its surroundings) with the link it acts at.
+
+    Each is 3 or 6 numbers, or link=numbers; `at` is the link of those that name none.
+    """
     from ..quantities import Wrench
 
-    if load_text is not None and push_text is not None:
-        raise ConfigurationError("KS343", "--load and --push were both given", "give one; their effects add up")
-    for text, word, make in ((load_text, "--load", Wrench.on_robot), (push_text, "--push", Wrench.on_environment)):
-        if text is None:
-            continue
-        values = numbers(text)
-        if len(values) not in (3, 6):
-            raise ConfigurationError("KS344", f"{word} has {len(values)} numbers", "fx,fy,fz or fx,fy,fz,mx,my,mz [N, N m]")
-        return make(force=values[:3], torque=values[3:] or (0.0, 0.0, 0.0))
-    return None
+    found = []
+    for texts, word, make in ((loads, "--load", Wrench.on_robot), (pushes, "--push", Wrench.on_environment)):
+        for text in texts or []:
+            link, named, values = text.rpartition("=")
+            six = numbers(values)
+            if len(six) not in (3, 6) or (named and not link):
+                hint = "fx,fy,fz or fx,fy,fz,mx,my,mz [N, N m], or link=fx,fy,fz"
+                raise ConfigurationError("KS344", f"{word} has {len(six)} numbers", hint)
+            found.append((link or at, make(force=six[:_THREE], torque=six[_THREE:] or (0.0, 0.0, 0.0))))
+    return found
+
+
+def with_payloads(model: RobotModel, payloads: list[str] | None) -> RobotModel:
+    """The model carrying every --payload: mass, or mass,x,y,z of its centre in axes of the tip; link=... elsewhere."""
+    for k, text in enumerate(payloads or []):
+        link, named, values = text.rpartition("=")
+        found = numbers(values)
+        if len(found) not in (1, 4) or (named and not link):
+            hint = "mass or mass,x,y,z [kg, m], or link=mass,x,y,z"
+            raise ConfigurationError("KS347", f"--payload has {len(found)} numbers", hint)
+        center = found[1:] or (0.0, 0.0, 0.0)
+        model = model.with_payload(found[0], center, at=link or TIP, name=f"payload{k + 1}")
+    return model
+
+
+def read_mounting(text: str) -> Array:
+    """--mount as gravity in base axes [m/s²]: floor, ceiling, wall, or roll,pitch,yaw of the base."""
+    from ..statics import gravity_in_base
+
+    if text.replace("_", "").isalpha():
+        return gravity_in_base(text)
+    angles = numbers(text)
+    if len(angles) != _THREE:
+        raise ConfigurationError("KS348", f"--mount has {len(angles)} numbers", "floor, ceiling, wall, or r,p,y")
+    return gravity_in_base(angles)
