@@ -132,7 +132,7 @@ def _torque_text(a: Analysis) -> str:
     if a.gravity_torques is not None:
         columns.append(("gravity", a.gravity_torques))
     if a.joint_torques is not None:
-        columns.append(("wrench" if a.wrench is None else _WORDS[a.wrench.acts_on], a.joint_torques))
+        columns.append(("loads" if a.wrench is None else _WORDS[a.wrench.acts_on], a.joint_torques))
     if not columns or not a.joints:
         return ""
     if len(columns) == 2 and a.holding_torques is not None:
