@@ -88,5 +88,6 @@ for q in ([0, 0, 1.0], [0, 0, 0.5], [0, 0, 0.0], [0, np.pi / 2, 0.5]):
 print("d3 = 0 or θ2 = π/2 + kπ: there some velocities have none. Positions always have one while d3 is free.")
 
 if len(sys.argv) > 1:  # a folder for the picture
+    Path(sys.argv[1]).mkdir(parents=True, exist_ok=True)
     axes = ks.plots.velocity_ellipsoid(ball, [0, 0, 0.5])
     axes.figure.savefig(Path(sys.argv[1]) / "lecture_000.png")

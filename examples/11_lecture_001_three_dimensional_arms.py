@@ -68,5 +68,6 @@ for q2 in (-np.pi / 2, -1.0, -0.5, -0.1, 0.0):
     np.testing.assert_allclose(np.linalg.det(rows), 4 * np.sin(q2), atol=1e-14)
 
 if len(sys.argv) > 1:  # a folder for the picture
+    Path(sys.argv[1]).mkdir(parents=True, exist_ok=True)
     axes = ks.plots.load(arm, q, weight)
     axes.figure.savefig(Path(sys.argv[1]) / "lecture_001.png")

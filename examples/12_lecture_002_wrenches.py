@@ -81,5 +81,6 @@ turned = ks.jacobian(arm, [*q[:5], q[5] + 1.0], frame=ks.Frame.spatial()).array
 np.testing.assert_allclose(turned, J_spatial, atol=1e-15)  # the spatial Jacobian never depends on the last angle
 
 if len(sys.argv) > 1:  # a folder for the picture
+    Path(sys.argv[1]).mkdir(parents=True, exist_ok=True)
     axes = ks.plots.load(arm, q, held)
     axes.figure.savefig(Path(sys.argv[1]) / "lecture_002.png")

@@ -89,5 +89,6 @@ for name, model, q, task in cases:
 print("Axes on one line suffice, a lost direction does where the arm has 6 freedoms; neither is needed (E003-7).")
 
 if len(sys.argv) > 1:  # a folder for the picture
+    Path(sys.argv[1]).mkdir(parents=True, exist_ok=True)
     axes = ks.plots.arm(six, np.zeros(6))
     axes.figure.savefig(Path(sys.argv[1]) / "lecture_003.png")

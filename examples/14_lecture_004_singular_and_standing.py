@@ -64,5 +64,6 @@ for radius, axis in zip(velocity.radii, velocity.axes.T, strict=True):
     np.testing.assert_allclose(radius * force.radii[k], 1, atol=1e-12)
 
 if len(sys.argv) > 1:  # a folder for the pictures
+    Path(sys.argv[1]).mkdir(parents=True, exist_ok=True)
     for name, picture in (("velocity", ks.plots.velocity_ellipsoid), ("force", ks.plots.force_ellipsoid)):
         picture(leg, q).figure.savefig(Path(sys.argv[1]) / f"lecture_004_{name}.png")

@@ -104,5 +104,6 @@ for name, arm, begin, omega in (
 print("Five joints cannot keep six numbers: there the arm does the best of both, and neither is kept.")
 
 if len(sys.argv) > 1:  # a folder for the picture
+    Path(sys.argv[1]).mkdir(parents=True, exist_ok=True)
     for arm, name in ((lynx, "Lynx, position"), (panda, "Panda, position and orientation")):
         ks.plots.arm(arm, ends[name]).figure.savefig(Path(sys.argv[1]) / f"lab_{arm.name}.png")

@@ -9,10 +9,11 @@ Law: in the plane w = a1 a2 |sin θ2|, whose mean over all postures, (2/π) a1 a
 mean is 2/(3π²) ((a1 + a2)³ - |a1 - a2|³), largest for equal links too, but hardly less for others. A posture with 1/κ = 1
 exists for a1 = √2 a2 only: the elbow bent by 135° and, in space, the hand level with the shoulder.
 
-    python examples/16_how_long_should_the_links_be.py [picture.png]        the picture needs matplotlib
+    python examples/16_how_long_should_the_links_be.py [folder]        the picture needs matplotlib
 """
 
 import sys
+from pathlib import Path
 
 import numpy as np
 
@@ -85,7 +86,7 @@ print(f"and the velocity ellipsoid is a ball of radius {ball.radii[0]:.4f} m/s, 
 np.testing.assert_allclose(ball.radii, (1 - EVEN) * TOTAL, rtol=1e-12)
 assert found["the plane"][:, 2].argmax() == np.abs(shares - EVEN).argmin()
 
-if len(sys.argv) > 1:
+if len(sys.argv) > 1:  # a folder for the picture
     try:
         import matplotlib as mpl
     except ImportError:
@@ -101,5 +102,5 @@ if len(sys.argv) > 1:
         ax.axvline(EVEN, color="gray", linestyle=":")
         ax.set(title=f"in {name}", xlabel="upper arm [m] of 1 m", ylim=(0, 1.05))
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3, fontsize="small")
-    figure.savefig(sys.argv[1], dpi=150)
-    print(f"saved {sys.argv[1]}")
+    Path(sys.argv[1]).mkdir(parents=True, exist_ok=True)
+    figure.savefig(Path(sys.argv[1]) / "link_lengths.png", dpi=150)

@@ -63,7 +63,7 @@ for k, wrench in enumerate(firm.wrenches):
     squeezing = ks.joint_torques(J, ks.Wrench.on_environment(force=inwards, frame=J.frame))
     rates = np.linalg.solve(J.linear[:2], upwards[:2])
     power, power_of_squeeze = power + torques @ rates, power_of_squeeze + squeezing @ rates
-    cells = [np.array2string(v, precision=4, suppress_small=True) for v in (wrench.force, torques, squeezing)]
+    cells = [np.array2string(v.round(4) + 0.0, precision=4, suppress_small=True) for v in (wrench.force, torques, squeezing)]
     print(f"{k:<10d}{cells[0]:>26s}{cells[1]:>22s}{cells[2]:>28s}")
 
 print(

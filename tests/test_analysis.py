@@ -708,7 +708,7 @@ KEYS = {
     "condition", "characteristic_length", "scaled", "tolerance", "manipulability", "manipulability_unit", "lost_twists",
     "free_wrenches", "gravity_torques", "wrench", "joint_torques", "effort_limits", "limits", "notes", "isotropy",
     "velocity_ellipsoid", "force_ellipsoid", "abilities", "speed_rows", "payload_capacity", "gravity", "gravity_by_link",
-    "potential_energy", "loads", "holding_torques", "reactions",
+    "potential_energy", "payloads", "loads", "holding_torques", "reactions",
 }  # fmt: skip
 
 

@@ -302,7 +302,7 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted([*globals(), *__all__])
+    return list(__all__)
 
 
 from .manipulability import manipulability as manipulability  # noqa: E402 - until the folder has another name

@@ -92,6 +92,8 @@ def named_frame(model: RobotModel, frame: Frame) -> Frame:
 def _plan(model: RobotModel, at: str, point: Any, frame: Frame | None, relative_to: str | None = None) -> _Plan:
     if not isinstance(model, RobotModel):
         require_model(model)
+    if type(frame) is Frame and type(frame.offset) is not tuple:
+        frame = frame._replace(offset=checked_point(frame.offset))
     key = (at, point if point is None else checked_point(point), frame, relative_to)
     plans: dict[Any, _Plan] = model.__dict__.get("_plans") or model.__dict__.setdefault("_plans", {})
     if (plan := plans.get(key)) is None:
@@ -203,9 +205,9 @@ def _doubt(model: RobotModel, q: Array, most: float) -> str:
     return f"KS321: |q| reaches {most:.3g}, far outside the limits of joint {joint!r}: degrees? Angles are radians"
 
 
-def _own(q: Array, given: Any) -> Array:
-    """A copy where the array is the caller's own: results must not change with it."""
-    return q.copy() if q is given and isinstance(q, np.ndarray) else q
+def _own(q: Array) -> Array:
+    """A copy that the caller cannot change: results must not change with his array."""
+    return np.array(q) if isinstance(q, np.ndarray) else q.clone() if hasattr(q, "clone") else q
 
 
 def pose(
@@ -288,7 +290,7 @@ def jacobian(
         result = plan.chain.jacobian(array)
     else:
         result = definition.jacobian(model, array, plan.target, xp)
-    return Jacobian(result, plan.frame, plan.link, model.joint_names, Locator(model, _own(array, q)))
+    return Jacobian(result, plan.frame, plan.link, model.joint_names, Locator(model, _own(array)))
 
 
 def relative_jacobian(
@@ -322,7 +324,7 @@ def relative_jacobian(
     plan = _plan(model, at, point, frame, relative_to)
     array, xp = configuration(model, q, check_finite)
     result = definition.jacobian(model, array, plan.target, xp)
-    return Jacobian(result, plan.frame, plan.link, model.joint_names, Locator(model, _own(array, q), relative_to))
+    return Jacobian(result, plan.frame, plan.link, model.joint_names, Locator(model, _own(array), relative_to))
 
 
 def hessian(
@@ -356,7 +358,7 @@ def hessian(
         result = plan.chain.hessian(array)
     else:
         result = definition.hessian(model, array, plan.target, xp)
-    return Hessian(result, plan.frame, plan.link, model.joint_names, Locator(model, _own(array, q)))
+    return Hessian(result, plan.frame, plan.link, model.joint_names, Locator(model, _own(array)))
 
 
 def jacobian_rate(
@@ -391,7 +393,7 @@ def jacobian_rate(
         result = plan.chain.jacobian_rate(array, rates)
     else:
         result = definition.jacobian_rate(model, array, rates, plan.target, xp)
-    return JacobianRate(result, plan.frame, plan.link, model.joint_names, Locator(model, _own(array, q)))
+    return JacobianRate(result, plan.frame, plan.link, model.joint_names, Locator(model, _own(array)))
 
 
 def _rates(model: RobotModel, rates: Any, what: str, q: Array, xp: Namespace, check_finite: bool) -> Array:

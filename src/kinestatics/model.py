@@ -91,6 +91,7 @@ class RobotModel:
         frozen: value of each joint that was held fixed when the model was made [rad or m].
         source: where the numbers come from.
         findings: what a careful reader of the robot's file would be told.
+        payloads: links that `with_payload` added.
         has_masses: whether any mass was given; without, gravity is an error and not a silent zero.
 
     Example:
@@ -126,6 +127,7 @@ class RobotModel:
     frozen: Mapping[str, float] = field(default_factory=dict)
     source: str = ""
     findings: tuple[Finding, ...] = ()
+    payloads: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         for entry in fields(self):
@@ -285,6 +287,7 @@ class RobotModel:
             centers_of_mass=np.concatenate([self.centers_of_mass, load[1][None]]),
             inertias=np.concatenate([self.inertias, moments[None]]),
             findings=findings,
+            payloads=(*self.payloads, name),
         )
 
     def _load_part(self, what: str, value: Any, shape: tuple[int, ...]) -> Array:

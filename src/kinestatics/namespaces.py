@@ -11,6 +11,7 @@ import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
+from importlib import import_module
 from types import ModuleType
 from typing import Any
 
@@ -43,6 +44,9 @@ class Namespace:
     broadcast: Callable[[Array, tuple[int, ...]], Array]
     constant: Callable[[Array, Array], Array]
     linalg: Any
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _namespace, (self.name,)  # its functions are those of a module: found again by name
 
 
 def _numpy_constant(value: Array, like: Array) -> Array:
@@ -90,15 +94,36 @@ def _torch_namespace() -> Namespace:
     return Namespace("torch", *functions, constant, torch.linalg)
 
 
+def _namespace(name: str) -> Namespace:
+    """The namespace of that name, its library imported."""
+    if name == "numpy":
+        return _NUMPY
+    if name == "sympy":
+        return _sympy_namespace()
+    import_module("jax.numpy" if name == "jax" else "torch")
+    return _jax_namespace() if name == "jax" else _torch_namespace()
+
+
 def _is_symbolic(array: Array) -> bool:
     sympy = sys.modules.get("sympy")
     return sympy is not None and all(isinstance(x, sympy.Expr | int | float) for x in array.flat)
 
 
+def _floating_jax(value: Any, what: str) -> Array:
+    """A JAX array of real numbers; whole numbers become floats of the size that JAX is set to."""
+    jnp = sys.modules["jax.numpy"]
+    if jnp.issubdtype(value.dtype, jnp.floating):
+        return value
+    if jnp.issubdtype(value.dtype, jnp.integer) or value.dtype == bool:
+        return value.astype(float)
+    raise ArrayTypeError("KS302", f"{what} has type {value.dtype}", "pass real numbers")
+
+
 def as_array(value: Any, what: str = "q") -> tuple[Array, Namespace]:
     """`value` as a floating array of its own library, and the namespace of that library.
 
-    Lists, integers and booleans become float64; float32 and float64 stay; SymPy expressions become an object array.
+    Lists, integers and booleans become float64 (of JAX its default float); float32 and float64 stay; SymPy expressions
+    become an object array.
 
     Args:
         value: array or nested list.
@@ -113,7 +138,7 @@ def as_array(value: Any, what: str = "q") -> tuple[Array, Namespace]:
     """
     kind = type(value).__module__.partition(".")[0]
     if kind in ("jax", "jaxlib"):
-        return value, _jax_namespace()
+        return _floating_jax(value, what), _jax_namespace()
     if kind == "torch":
         if value.is_complex():
             raise ArrayTypeError("KS302", f"{what} is a complex tensor", "pass real numbers")
@@ -122,6 +147,9 @@ def as_array(value: Any, what: str = "q") -> tuple[Array, Namespace]:
         raise ArrayTypeError("KS302", f"{what} is a masked array", "fill it first: array.filled(...)")
     array = np.asarray(value)
     if array.dtype == object:
+        if array.ndim == 0 and not _is_symbolic(array):
+            found = "None" if value is None else f"a {type(value).__name__}"
+            raise ArrayTypeError("KS302", f"{what} is {found}", "pass numbers")
         if not _is_symbolic(array):
             raise ArrayTypeError(
                 "KS302", f"{what} holds objects that are neither numbers nor SymPy expressions", "pass numbers or symbols"

@@ -116,6 +116,10 @@ def change_frame(model: RobotModel, q: Any, quantity: Quantity, frame: Frame) ->
         kind = isinstance(quantity, Hessian)
         raise gains_terms("a Hessian" if kind else "a rate", "hessian(arm, q" if kind else "jacobian_rate(arm, q, qd")
     if isinstance(quantity, Jacobian):
+        own = cast(Locator, quantity._locate).model
+        if own is not model:
+            message = f"the Jacobian is one of {own.name!r}, not of this model of {model.name!r}"
+            raise ConfigurationError("KS333", message, "J.change_frame(frame) knows its own robot and configuration")
         return quantity.change_frame(frame)
     if not isinstance(quantity, Twist | Wrench):
         raise ArrayTypeError(

@@ -84,7 +84,8 @@ def characteristic_length(model: RobotModel, at: str = TIP) -> float:
 
 def _largest_dimension(model: RobotModel) -> float:
     """The largest length in the description of the robot [m]: what rounding errors of positions are measured by."""
-    lengths = (split_pose(model.placements)[1], split_pose(model.link_placements)[1], model.screws[:, LINEAR])
+    turning = model.screws[np.any(model.screws[:, ANGULAR] != 0, axis=-1)]  # of a prismatic screw it is a direction
+    lengths = (split_pose(model.placements)[1], split_pose(model.link_placements)[1], turning[:, LINEAR])
     return max(float(np.abs(length).max(initial=0.0)) for length in lengths)
 
 
@@ -111,14 +112,19 @@ def _axis_point(screw: Array) -> Array:
 
 
 def find_task(
-    model: RobotModel, task: str | Sequence[str] | Sequence[int] = "auto", at: str = TIP, frame: Frame | None = None
+    model: RobotModel,
+    task: str | Sequence[str] | Sequence[int] = "auto",
+    at: str = TIP,
+    frame: Frame | None = None,
+    *,
+    relative_to: str | None = None,
 ) -> Task:
     """The rows in play for an arm.
 
     Args:
         model: the robot.
         task: "auto", "full", "position", "orientation", or rows such as ("vx", "vy", "wz") or "vx,vy,wz".
-        at, frame: as in `jacobian`.
+        at, frame: as in `jacobian`; relative_to: as in `relative_jacobian`.
 
     Returns:
         Task. "auto" drops rows that are zero at every configuration; where position alone accounts for all motion
@@ -132,20 +138,16 @@ def find_task(
         >>> ks.find_task(ks.load("planar_2r")).row_names
         ('vx', 'vy')
     """
-    return _task(model, task, at, frame, None)
-
-
-def _task(model: RobotModel, task: Any, at: str, frame: Frame | None, relative_to: str | None) -> Task:
     _require_numbers(model)
     samples, known = _samples(model, at, frame, relative_to)
     if not isinstance(task, str):
         rows = _named_rows(task)
         return Task(rows, _rank(samples, rows), "rows", "the rows asked for")
-    if task not in known:
+    if (found := known.get(task)) is None:
         if len(known) >= _CACHED_SAMPLES:
             known.clear()
-        known[task] = _task_in_words(samples, task)
-    return known[task]
+        found = known[task] = _task_in_words(samples, task)
+    return found
 
 
 def _task_in_words(samples: Array, task: str) -> Task:
@@ -165,7 +167,12 @@ def task_of(J: Jacobian, task: str | Sequence[str] | Sequence[int] = "auto") -> 
         >>> task_of(ks.jacobian(ks.load("planar_2r"), [0.0, 0.5])).row_names
         ('vx', 'vy')
     """
-    return _task(model_of(J), task, J.link, J.frame, cast(Locator, J._locate).relative_to)
+    return find_task(model_of(J), task, J.link, J.frame, relative_to=relative_to(J))
+
+
+def relative_to(J: Jacobian) -> str | None:
+    """The link that a relative Jacobian takes to stand still; None for any other."""
+    return cast(Locator, J._locate).relative_to
 
 
 def model_of(J: Jacobian) -> RobotModel:
@@ -216,21 +223,23 @@ def _samples(
     reference = None if relative_to is None else model.link(relative_to)
     key = (model.link(at), frame if frame is None else named_frame(model, frame), reference)
     known: dict[Any, tuple[Array, dict[str, Task]]] = model.__dict__.setdefault("_samples", {})
-    if key not in known:
+    if (found := known.get(key)) is None:
         if len(known) >= _CACHED_SAMPLES:
             known.clear()
-        known[key] = (_sampled(model, at, frame, relative_to), {})
-    return known[key]
+        found = known[key] = (_sampled(model, at, frame, relative_to), {})
+    return found
 
 
 def _sampled(model: RobotModel, at: str, frame: Frame | None, relative_to: str | None) -> Array:
     rng = np.random.default_rng(20261124)
     q = rng.uniform(-np.pi, np.pi, (_SAMPLES, model.n))
+    size = np.where(prismatic_columns(model), _largest_dimension(model) or 1.0, 1.0)
+    q = q * size
     if relative_to is None:
-        J = jacobian(model, q, at=at, frame=frame)
+        J = jacobian(model, q, at=at, frame=frame, check_finite=False)
     else:
-        J = relative_jacobian(model, q, at=at, relative_to=relative_to, frame=frame)
-    scaled = without_rounding(model, J.array)
+        J = relative_jacobian(model, q, at=at, relative_to=relative_to, frame=frame, check_finite=False)
+    scaled = without_rounding(model, J.array) * size  # travel by the robot's own size, so that it may have any
     lengths = scaled[:, list(LINEAR_ROWS)]
     largest = np.abs(lengths).max(initial=0.0)
     if largest > 0:
@@ -245,9 +254,11 @@ def _rank(samples: Array, rows: Sequence[int]) -> int:
     return int((sigma > _STRUCTURAL * sigma.max(initial=0.0)).sum(-1).max())
 
 
-def moving_columns(model: RobotModel, rows: Sequence[int], at: str = TIP, frame: Frame | None = None) -> Array:
+def moving_columns(
+    model: RobotModel, rows: Sequence[int], at: str = TIP, frame: Frame | None = None, relative_to: str | None = None
+) -> Array:
     """(n) whether a joint moves these rows in any posture."""
-    return np.abs(_samples(model, at, frame)[0][:, list(rows)]).max(axis=(0, 1), initial=0.0) > _STRUCTURAL
+    return np.abs(_samples(model, at, frame, relative_to)[0][:, list(rows)]).max(axis=(0, 1), initial=0.0) > _STRUCTURAL
 
 
 def _automatic(samples: Array) -> Task:

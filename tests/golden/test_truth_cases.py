@@ -1,8 +1,8 @@
 """Numbers printed by other libraries and books: tests/golden/truth_cases.json, each case with its source and tolerance.
 
 Every case that is a pose, a Jacobian, a Hessian, a velocity, an inverse velocity, a static torque or a measure of a Jacobian
-goes through the public functions. Asada's measure needs rotor inertias beside the robot and is in tests/test_manipulability.py;
-inverse kinematics and exponentials and logarithms of poses have no public function; they are listed.
+goes through the public functions. Asada's measure needs rotor inertias beside the robot (tests/test_manipulability.py).
+Inverse kinematics and exponentials and logarithms of poses have no public function; they are listed.
 """
 
 import json

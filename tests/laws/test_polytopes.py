@@ -104,17 +104,20 @@ def test_surfaces_in_space_are_closed(f, task):
         for face, normal, offset in zip(p.faces, p.normals, p.offsets, strict=True):
             assert np.abs(p.vertices[list(face)] @ normal - offset).max() <= 1e-8 * size
         assert p.volume > 0
-        assert_close(p.volume, hull_volume(p), 1e-7)
+        sigma = np.linalg.svd(p.vertices - p.vertices.mean(axis=0), compute_uv=False)
+        assert abs(p.volume / hull_volume(p) - 1) <= 1e-9 + 1e-14 * sigma[0] / sigma[-1]
 
 
 def hull_volume(p):
-    """The volume from the facets alone: a third of the sum of area times distance (divergence theorem)."""
-    total = 0.0
-    for face, normal, offset in zip(p.faces, p.normals, p.offsets, strict=True):
-        polygon = p.vertices[list(face)]
-        area = 0.5 * np.linalg.norm(np.cross(polygon[1:-1] - polygon[0], polygon[2:] - polygon[0]).sum(axis=0))
-        total += area * (offset - normal @ p.center) / 3.0
-    return total
+    """The volume as pyramids from the middle to the polygons, in coordinates in which the body is about as thick as long."""
+    spread = p.vertices - p.vertices.mean(axis=0)
+    _, sigma, Vt = np.linalg.svd(spread, full_matrices=False)
+    corners, total = spread @ Vt.T / sigma, 0.0
+    for face in p.faces:
+        polygon = corners[list(face)]
+        normal = np.cross(polygon[1:-1] - polygon[0], polygon[2:] - polygon[0]).sum(axis=0)
+        total += abs(normal @ polygon.mean(axis=0)) / 6.0
+    return total * np.prod(sigma)
 
 
 @given(features(max_joints=7), TASKS)
@@ -130,15 +133,22 @@ def test_corners_are_extreme_and_can_be_had(f, task):
         if p.corners is None:
             assert len(p.rows) > 3
             continue
-        fixed = np.vstack([p.normals, p.free])
-        for corner in p.corners:
-            size = max(p.size, float(np.abs(corner).max()))
-            on = np.r_[np.abs(p.normals @ corner - p.offsets) <= 1e-8 * size, np.ones(len(p.free), dtype=bool)]
-            assert np.all(p.normals @ corner <= p.offsets + 1e-8 * size)
-            assert np.linalg.matrix_rank(fixed[on], tol=1e-12) == len(p.rows)  # a set may be very thin
+        size = max(p.size, float(np.abs(p.corners).max()))
+        heights = p.corners @ p.normals.T
+        assert np.all(heights <= p.offsets + 1e-8 * np.ptp(heights, axis=0) + 1e-10 * size)
+        if p.is_bounded and p.dimension:
+            spread = p.corners - p.corners.mean(axis=0)
+            _, sigma, Vt = np.linalg.svd(spread, full_matrices=False)
+            round_normals = p.normals @ (Vt.T * sigma)[:, : p.dimension]  # a set may be very thin
+            lengths = np.linalg.norm(round_normals, axis=1)
+            faces = lengths > 1e-9 * lengths.max()  # not the planes of a flat set
+            round_normals = round_normals[faces] / lengths[faces, None]
+            on = p.offsets - heights <= 1e-8 * np.ptp(heights, axis=0) + 1e-14 * size
+            assert all(np.linalg.matrix_rank(round_normals[row], tol=1e-11) == p.dimension for row in on[:, faces])
     if forces.corners is not None:
         torques = forces.corners @ J
-        assert np.all((torques >= lower - 1e-8) & (torques <= upper + 1e-8))
+        rounding = 1e-9 + 1e-14 * np.abs(forces.corners).max()  # of forces that are very large near a singularity
+        assert np.all((torques >= lower - rounding) & (torques <= upper + rounding))
 
 
 @given(features(max_joints=7), TASKS)
@@ -262,15 +272,19 @@ def test_speed_is_the_extent_of_the_polytope_and_the_judges(f, hold):
         return
     rng = np.random.default_rng(f.seed)
     q, d = f.configurations(), rng.normal(size=3)
-    limits = (-rng.uniform(0.2, 2.0, model.n), rng.uniform(0.2, 2.0, model.n))
+    locked = rng.random(model.n) < 0.1
+    limits = tuple(np.where(locked, 0.0, sign * rng.uniform(0.2, 2.0, model.n)) for sign in (-1, 1))
     s = ks.speed_capacity(model, q, d, hold=hold, velocity_limits=limits)
     J = without_rounding(model, ks.jacobian(model, q).array)[[("vx", "vy", "vz", "wx", "wy", "wz").index(r) for r in s.rows]]
     wanted = np.r_[s.direction, np.zeros(len(s.rows) - 3)]
     p = ks.velocity_polytope(model, q, task=s.rows, velocity_limits=limits)
     assert_close(s.value, p.extent(wanted), 1e-7)
-    assert s.is_lost == bool(np.linalg.matrix_rank(np.c_[J, wanted], tol=1e-8) > np.linalg.matrix_rank(J, tol=1e-8))
     assert np.all((s.rates >= limits[0] - 1e-9) & (s.rates <= limits[1] + 1e-9))
     assert_close(J @ s.rates, s.value * wanted, 1e-9)
+    sigma = [np.linalg.svd(rows, compute_uv=False) for rows in (J[:, ~locked], np.c_[J[:, ~locked], wanted])]
+    if np.any((np.r_[*sigma] > 1e-13) & (np.r_[*sigma] < 1e-4)):
+        return  # the judge lets equations go by 1e-7, which is much so near to a singularity
+    assert s.is_lost == bool((sigma[0] > 1e-8).sum() < (sigma[1] > 1e-8).sum())
     best = linprog(
         np.r_[np.zeros(model.n), -1.0],
         A_eq=np.c_[J, -wanted],
@@ -295,6 +309,6 @@ def test_the_joints_named_are_those_that_limit(f):
     assert named.any()
     assert_close(np.sign(s.limiting[named]) * limits[named], s.rates[named], 1e-9)
     others = ks.speed_capacity(model, q, d, hold="nothing", velocity_limits=np.where(named, limits, 3 * limits))
-    assert_close(others.value, s.value, 1e-9)
+    assert_close(others.value, s.value, 1e-8)
     looser = ks.speed_capacity(model, q, d, hold="nothing", velocity_limits=np.where(named, 1.1 * limits, limits))
     assert looser.value > s.value * (1 + 1e-9)

@@ -100,6 +100,7 @@ def analyze(
         force_ellipsoid=force,
         abilities=able,
         speed_rows=speed_rows,
+        payloads={name: float(model.masses[model.link(name)]) for name in model.payloads},
         payload_capacity=greatest_payload(model, values, J, down),
         gravity=down,
         **held(model, values, J, wrench, down, notes),

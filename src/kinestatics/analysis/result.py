@@ -98,7 +98,8 @@ class Analysis:
         isotropy: geometric over arithmetic mean of the squared singular values, 1 where all directions are alike.
         velocity_ellipsoid, force_ellipsoid: of the rows in play of one unit, linear before angular; None where none moves.
         abilities: along ± each axis of base that a linear row in play has; speed_rows: the rows that a speed keeps at rest.
-        payload_capacity: the greatest mass at the tip [kg], or None where efforts or masses are unknown.
+        payloads: mass of each link that `with_payload` added [kg]; payload_capacity: the greatest mass at the tip beside
+            them [kg], or None where efforts or masses are unknown.
         gravity: (3) in base axes [m/s²]; gravity_torques: (n) what holds the arm [N m or N], or None without masses.
         gravity_by_link: the same for each link with a mass; potential_energy: [J], zero at the base origin.
         loads: what was asked about; wrench: of the only one, or None; joint_torques: (n) what holds them all, or None.
@@ -133,6 +134,7 @@ class Analysis:
     force_ellipsoid: Ellipsoid | None
     abilities: tuple[Ability, ...]
     speed_rows: tuple[str, ...]
+    payloads: dict[str, float]
     payload_capacity: Capacity | None
     gravity: Array
     gravity_torques: Array | None
@@ -212,6 +214,7 @@ class Analysis:
             "joint_torques": _listed(self.joint_torques),
             "holding_torques": _listed(self.holding_torques),
             "effort_limits": [_finite(x) for x in self.effort_limits],
+            "payloads": dict(self.payloads),
             "payload_capacity": _optional(self.payload_capacity),
             "reactions": _optional(self.reactions),
             "notes": list(self.notes),

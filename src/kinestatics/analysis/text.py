@@ -6,8 +6,9 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from .._kernels import STANDARD_GRAVITY
 from ..namespaces import Array
-from ..quantities import TIED, WIDTH, format_number, table, wrapped
+from ..quantities import TIED, WIDTH, format_number, largest, table, wrapped
 from .result import Analysis, Margin
 
 
@@ -26,7 +27,14 @@ def _heading(a: Analysis) -> str:
     head = f"{a.robot}: {len(a.joints)} joint{'s' * (len(a.joints) != 1)}, from {a.base} to {a.tip}"
     if not a.joints:
         return head
-    lines = [head, wrapped("q = ", _values(a.configuration, a.kinds, "rad", format_number))]
+    about = []
+    if a.payloads:
+        held = [f"{name}{TIED}{format_number(mass)}{TIED}kg" for name, mass in a.payloads.items()]
+        about.append(wrapped("carries ", ", ".join(held)))
+    if tuple(a.gravity) != STANDARD_GRAVITY:
+        pull = ", ".join(format_number(x) for x in a.gravity)
+        about.append(wrapped("gravity ", f"({pull}) m/s² in axes of {a.base}"))
+    lines = [head, *about, wrapped("q = ", _values(a.configuration, a.kinds, "rad", format_number))]
     if any(kind != "prismatic" and x != 0 for x, kind in zip(a.configuration, a.kinds, strict=True)):
         turned = [x if kind == "prismatic" else np.degrees(x) for x, kind in zip(a.configuration, a.kinds, strict=True)]
         lines.append(wrapped("  = ", _values(turned, a.kinds, "deg", lambda x: format_number(round(float(x), 2)))))
@@ -91,12 +99,15 @@ def _ability_text(a: Analysis) -> str:
     """What the limits of the joints allow along each axis, and the payload."""
     lines = []
     if a.abilities:
-        lines.append("with the limits of the joints, along axes of base")
+        lines.append(
+            wrapped("", f"with the limits of the joints, along axes of {a.jacobian.frame.axes}, other loads left out")
+        )
         lines += _ability_table(a)
         if rest := [row for row in a.speed_rows if not row.startswith("v")]:
             lines.append(wrapped("", f"(the speed is that of pure translation: {', '.join(rest)} at rest)"))
     if a.payload_capacity is not None:
-        lines.append(wrapped("", f"greatest mass held at {a.tip}: {a.payload_capacity.verdict}"))
+        more = " more" if a.payloads else ""
+        lines.append(wrapped("", f"greatest mass held at {a.tip}{more}, no other load: {a.payload_capacity.verdict}"))
     return "\n".join(lines)
 
 
@@ -139,7 +150,7 @@ def _torque_text(a: Analysis) -> str:
         columns.append(("both", a.holding_torques))
     width = max(len(name) for name in a.joints)
     lines = ["torques that hold the arm still" + (" [N m]" if "prismatic" not in a.kinds else "")]
-    cells = [[name, *(format_number(x) for x in values)] for name, values in columns]
+    cells = [[name, *(format_number(x, largest(values)) for x in values)] for name, values in columns]
     cells.append(["limit", *(format_number(x) if np.isfinite(x) else "unknown" for x in a.effort_limits)])
     widths = [max(len(cell) for cell in column) + 2 for column in cells]
     for i, name in enumerate(["", *a.joints]):
@@ -165,8 +176,15 @@ def _reaction_text(a: Analysis) -> str:
     if found is None or not found.joints:
         return ""
     rows = [["", "radial [N]", "axial [N]", "bending [N m]"]]
-    for name, radial, axial, bending in zip(found.joints, found.radial, found.axial, found.bending, strict=True):
-        rows.append([name, *map(format_number, (radial, axial, bending))])
+    slides = [kind == "prismatic" for kind in found.kinds]
+    if any(slides):
+        rows[0].append("torsion [N m]")
+    sizes = [largest(column) for column in (found.radial, found.axial, found.bending, found.torsion)]
+    for k, name in enumerate(found.joints):
+        values = (found.radial[k], found.axial[k], found.bending[k], found.torsion[k])
+        cells = [format_number(x, size) for x, size in zip(values, sizes, strict=True)]
+        cells[1 if slides[k] else 3] = "(motor)"
+        rows.append([name, *cells[: len(rows[0]) - 1]])
     return "\n".join(["what the bearings carry", table(rows)])
 
 

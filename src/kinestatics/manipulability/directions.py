@@ -7,11 +7,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from .._kernels import ALL_ROWS
 from ..errors import ArrayTypeError, ConfigurationError
 from ..frames import TIP, Frame
 from ..model import RobotModel
 from ..namespaces import Array, as_array
-from ..quantities import Jacobian, check_batches, numeric
+from ..quantities import Frozen, Jacobian, check_batches, numeric
 from ..spatial import ANGULAR_ROWS, LINEAR, ROW_NAMES
 from ..statics import RANK_TOLERANCE
 from ..tasks import task_of
@@ -74,10 +75,11 @@ def speed_capacity(
     J, array = numeric_jacobian(model, q, at, point, frame)
     twist, shown, unit = _twist(direction)
     check_batches("q", array.shape[:-2], "direction", twist.shape[:-1])
-    rows = _followed(J, task, twist, _turns(hold) and unit == "m/s")
+    own = _followed(J, task, _turns(hold) and unit == "m/s")
+    rows = tuple(sorted(own | _needed(twist.reshape(-1, 6))))
     limits = joint_limits(model, velocity_limits, "velocity")
     bounds = _with_rest(*limits.of_carrying(model, array))
-    found = _solved(array[..., list(rows), :], twist[..., list(rows)], bounds, unit_weights(model, rows, at))
+    found = _solved(array, twist, own, bounds, unit_weights(model, ALL_ROWS, at))
     return SpeedCapacity(
         robot=model.name,
         link=J.link,
@@ -128,6 +130,9 @@ def _with_rest(lower: Array, upper: Array) -> tuple[Array, Array]:
 
 def _twist(direction: Any) -> tuple[Array, Array, str]:
     """The twist (..., 6) that is asked for, the direction as shown, and the unit of the answer."""
+    if isinstance(direction, Frozen):
+        message = f"direction is a {type(direction).__name__}; its frame would be lost"
+        raise ArrayTypeError("KS302", message, "numbers: (x, y, z), or (vx, vy, vz, wx, wy, wz), in the axes of frame=")
     array, xp = as_array(direction, "direction")
     if xp.name == "sympy":
         raise ArrayTypeError("KS302", "direction holds symbols", "put numbers in place of them")
@@ -149,18 +154,24 @@ def _twist(direction: Any) -> tuple[Array, Array, str]:
     return twist, unit, "m/s"
 
 
-def _followed(J: Jacobian, task: TaskName, twist: Array, may_turn: bool) -> tuple[int, ...]:
-    """The rows that follow the twist: those in play, those it needs, and no angular ones where the link may turn."""
-    needed = {int(row) for row in np.flatnonzero(np.any(twist.reshape(-1, 6) != 0, axis=0))}
-    return tuple(sorted(needed | {row for row in task_of(J, task).rows if not (may_turn and row in ANGULAR_ROWS)}))
+def _followed(J: Jacobian, task: TaskName, may_turn: bool) -> set[int]:
+    """The rows in play that every direction keeps to: no angular ones where the link may turn."""
+    return {row for row in task_of(J, task).rows if not (may_turn and row in ANGULAR_ROWS)}
 
 
-def _solved(rows: Array, wanted: Array, bounds: tuple[Array, Array], weights: Array) -> _Fastest:
-    """One after the other, for rows (..., k, n) and what is wanted of them (..., k)."""
-    batch, (k, n) = np.broadcast_shapes(rows.shape[:-2], wanted.shape[:-1]), rows.shape[-2:]
-    matrices = np.broadcast_to(rows, (*batch, k, n)).reshape(-1, k, n)
-    directions = np.broadcast_to(wanted, (*batch, k)).reshape(-1, k)
-    found = [_fastest(A, d, bounds, weights) for A, d in zip(matrices, directions, strict=True)]
+def _needed(twists: Array) -> set[int]:
+    """The rows in which any of the twists (m, 6) is not zero."""
+    return {int(row) for row in np.flatnonzero(np.any(twists != 0, axis=0))}
+
+
+def _solved(J: Array, wanted: Array, own: set[int], bounds: tuple[Array, Array], weights: Array) -> _Fastest:
+    """One after the other, for J (..., 6, n) and twists (..., 6): each follows its own rows and those it needs."""
+    batch, n = np.broadcast_shapes(J.shape[:-2], wanted.shape[:-1]), J.shape[-1]
+    matrices = np.broadcast_to(J, (*batch, 6, n)).reshape(-1, 6, n)
+    found = []
+    for A, d in zip(matrices, np.broadcast_to(wanted, (*batch, 6)).reshape(-1, 6), strict=True):
+        rows = sorted(own | _needed(d[None]))
+        found.append(_fastest(A[rows], d[rows], bounds, weights[rows]))
     return _Fastest(
         value=np.array([one.value for one in found]).reshape(batch),
         rates=np.array([one.rates for one in found]).reshape(*batch, n),

@@ -14,9 +14,11 @@ from ..errors import ArrayTypeError, ConfigurationError, UnknownNameError
 from ..namespaces import Array, Namespace, as_array
 from ..quantities import Jacobian, check_batches
 from ..spatial import transpose
-from ..tasks import find_task, model_of
+from ..tasks import task_of
 from . import symbols
 from .rows import RowsInPlay, TaskName, decomposed, rows_in_play, singular
+
+_DEFINITE = 1e-12  # eigenvalues of a mass matrix below this share of its largest entry are rounding
 
 
 def singular_values(rows: Any, *, task: TaskName = "auto", length: float | None = None) -> Array:
@@ -277,9 +279,10 @@ def _check_definite(M: Array) -> None:
     try:
         if not np.all(np.abs(M - transpose(M)) <= 1e-6 * size):
             raise np.linalg.LinAlgError
-        np.linalg.cholesky(M)
+        if M.size and np.any(np.linalg.eigvalsh(M) <= _DEFINITE * size[..., 0]):
+            raise np.linalg.LinAlgError
     except np.linalg.LinAlgError:
-        hint = "the joint-space inertia matrix at q; every joint must move some mass or rotor"
+        hint = "the joint-space inertia matrix at q; every joint must move some mass or rotor, or an inertia about its axis"
         raise ConfigurationError("KS303", "the mass matrix is not symmetric and positive definite", hint) from None
 
 
@@ -295,14 +298,13 @@ def _others(rows: Any, found: RowsInPlay) -> tuple[Array, int]:
     if not isinstance(rows, Jacobian) or found.task is None:
         hint = "pass the Jacobian and task='position' instead of J.linear"
         raise ConfigurationError("KS361", "others='held' was given with a bare array", hint)
-    model, where = model_of(rows), {"at": rows.link, "frame": rows.frame}
-    every = find_task(model, "auto", **where).rows  # type: ignore[arg-type]
+    every = task_of(rows, "auto").rows
     held = tuple(row for row in every if row not in found.task.rows)
     array = rows.array[..., np.array(held, dtype=int), :]
     if not held:
         return array, found.rank
-    both = find_task(model, tuple(sorted({*held, *found.task.rows})), **where)  # type: ignore[arg-type]
-    return array, both.rank - find_task(model, held, **where).rank  # type: ignore[arg-type]
+    both = task_of(rows, tuple(sorted({*held, *found.task.rows})))
+    return array, both.rank - task_of(rows, held).rank
 
 
 def _beside(columns: Array, held: Array, found: RowsInPlay) -> Array:

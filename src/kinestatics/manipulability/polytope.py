@@ -11,7 +11,7 @@ import numpy as np
 from ..errors import ArrayTypeError, ConfigurationError
 from ..frames import Frame
 from ..namespaces import Array, as_array
-from ..quantities import plain
+from ..quantities import Frozen, plain
 from .ellipsoid_views import frame_dict
 from .linear_programs import maximize
 from .polytope_text import in_words
@@ -19,6 +19,8 @@ from .round_coordinates import round_coordinates
 from .surfaces import Faces, enclosed
 
 _ALONG = 1e-12  # a direction this nearly along a facet does not meet it
+_BESIDE = 1e-9  # and one this nearly within a flat set does not leave it
+_ROUNDING = 1e-14  # of the numbers that a point was made of
 _NEAR = 1e-6  # of the largest distance from the center to a facet: what is nearer is not scaled up any more
 
 
@@ -104,7 +106,7 @@ class Polytope:
 
     @cached_property
     def size(self) -> float:
-        """The largest distance of a facet's plane from the origin of coordinates: what rounding is judged by [unit]."""
+        """The largest distance of a facet's plane from the origin of coordinates [unit]."""
         return float(np.abs(self.offsets).max(initial=0.0))
 
     @cached_property
@@ -120,16 +122,33 @@ class Polytope:
             return float("inf")
         if self.corners is None:
             raise ConfigurationError(
-                "KS369", f"no volume is computed for {len(self.rows)} rows", "choose three rows or fewer"
+                "KS303", f"no volume is computed for {len(self.rows)} rows", "choose three rows or fewer"
             )
         return enclosed(self.corners, self.faces)
+
+    @cached_property
+    def _reach(self) -> float:
+        """What velocities are made of, before they cancel; 0 for forces [unit]."""
+        return 0.0 if self.generators is None else float(np.linalg.norm(self.generators, axis=1).sum())
+
+    @cached_property
+    def _lost(self) -> Array:
+        """(m) which planes are those of directions that no joint moves along."""
+        return ~np.any(self.states != 0, axis=1)
+
+    def _excess(self, x: Array, tolerance: float) -> Array:
+        """How far points (..., k) are beyond the facet they are farthest beyond, rounding and a share of each taken off."""
+        slack = tolerance * np.where(self._lost, self._reach, np.abs(self.offsets))
+        rounding = _ROUNDING * (np.linalg.norm(x, axis=-1) + self._reach)
+        return (x @ self.normals.T - self.offsets - slack).max(axis=-1, initial=-np.inf) - rounding
 
     def contains(self, points: Any, tolerance: float = 1e-9) -> Any:
         """Whether points are in the set.
 
         Args:
             points: (..., k) [unit].
-            tolerance: how far outside still counts, as a share of `size`.
+            tolerance: how far beyond a facet still counts, as a share of the facet's distance from the origin; of the
+                largest velocities where the set is flat.
 
         Returns:
             (...) of booleans.
@@ -137,8 +156,7 @@ class Polytope:
         Raises:
             ConfigurationError: KS303, KS301. ArrayTypeError: KS302.
         """
-        x = self._coordinates(points, "points")
-        inside = np.all(x @ self.normals.T <= self.offsets + tolerance * self.size, axis=-1) & (not self.is_empty)
+        inside = (self._excess(self._coordinates(points, "points"), tolerance) <= 0) & (not self.is_empty)
         return bool(inside) if np.ndim(inside) == 0 else inside
 
     def extent(self, direction: Any) -> Any:
@@ -161,16 +179,15 @@ class Polytope:
         forth, back = self._crossings(d)
         leaves, enters = forth.min(axis=-1, initial=np.inf), -back.min(axis=-1, initial=np.inf)
         probe = np.where(np.isfinite(leaves), leaves, np.where(np.isfinite(enters), enters, 0.0))
-        violation = (probe[..., None] * (d @ self.normals.T) - self.offsets).max(axis=-1, initial=-np.inf)
-        missed = (violation > 1e-9 * (self.size + np.abs(probe))) | self.is_empty
-        reach = np.where(np.abs(leaves) <= _ALONG * self.size, 0.0, leaves)
-        return np.where(missed, -np.inf, reach)[()]
+        missed = (self._excess(probe[..., None] * d, 1e-9) > 0) | self.is_empty
+        return np.where(missed, -np.inf, leaves)[()]
 
     def _crossings(self, d: Array) -> tuple[Array, Array]:
         """(..., m) where the line along unit vectors leaves each half-space, forwards and backwards; infinite for never."""
         slope = d @ self.normals.T
-        steps = self.offsets / np.where(np.abs(slope) > _ALONG, slope, 1.0)
-        return np.where(slope > _ALONG, steps, np.inf), np.where(slope < -_ALONG, -steps, np.inf)
+        along = np.where(self._lost, _BESIDE, _ALONG)
+        steps = self.offsets / np.where(np.abs(slope) > along, slope, 1.0)
+        return np.where(slope > along, steps, np.inf), np.where(slope < -along, -steps, np.inf)
 
     def limiting_facet(self, direction: Any) -> tuple[str, ...]:
         """The joint limits that end the way from the origin along one direction (k); () when nothing does.
@@ -228,6 +245,9 @@ class Polytope:
         return float(d @ self.center) + size * best.value
 
     def _coordinates(self, values: Any, what: str) -> Array:
+        if isinstance(values, Frozen):
+            message = f"{what}: a {type(values).__name__}; its frame would be lost"
+            raise ArrayTypeError("KS302", message, f"numbers for {', '.join(self.rows)}")
         array, xp = as_array(values, what)
         if xp.name == "sympy":
             raise ArrayTypeError("KS302", f"{what}: symbols in a polytope of numbers", "put numbers in place of them")

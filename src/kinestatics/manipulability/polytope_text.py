@@ -19,7 +19,7 @@ def in_words(p: Polytope) -> str:
     lines = [wrapped("", f"{p.kind} polytope{whose}: {', '.join(p.rows)} [{p.unit}]")]
     lines += [str(p.frame)] if p.frame is not None else []
     if not p.is_empty:
-        lines += [_shape(p), *(_reaches(p) if np.all(p.offsets >= 0) else _ranges(p))]
+        lines += [_shape(p), *(_reaches(p) if p.contains(np.zeros(len(p.rows))) else _ranges(p))]
     return "\n".join(lines + [wrapped("note: ", note) for note in p.notes])
 
 

@@ -128,7 +128,7 @@ def force_polytope(
     held = np.zeros(model.n)
     if gravity is not None:
         if not model.has_masses:
-            raise missing_masses(model, "its file gives none; gravity=None leaves the weight of the arm out")
+            raise missing_masses(model, "its description gives none; gravity=None leaves the weight of the arm out")
         held = gravity_torques(model, numeric(as_array(q)[0]), gravity=gravity)
     labels = _labels(model, J, rows, WRENCH_NAMES, ("N", "N m"))
     notes = ("the weight of the arm is left out",) if gravity is None else ()

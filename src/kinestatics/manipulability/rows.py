@@ -21,7 +21,7 @@ from ..quantities import Jacobian, JacobianMatrix, Pose, SixVector
 from ..spatial import ANGULAR_ROWS, LINEAR_ROWS
 from ..statics import RANK_TOLERANCE
 from ..statics.symbols import with_numbers
-from ..tasks import Task, find_task, model_of, moving_columns, prismatic_columns, without_rounding
+from ..tasks import Task, find_task, model_of, moving_columns, prismatic_columns, relative_to, without_rounding
 
 ANGULAR_SCALED, PRISMATIC_SCALED = "angular rows", "prismatic columns"
 _SINGLE = 1e-5  # of single precision, what RANK_TOLERANCE is of double
@@ -109,15 +109,15 @@ def rows_in_play(
 def _structure(J: Jacobian, model: RobotModel, task: TaskName) -> tuple[Task, tuple[str, ...]]:
     """The rows in play and what mixes in them, kept with the model: they are sampled, and do not depend on q."""
     named = task if isinstance(task, str) or not isinstance(task, Iterable) else tuple(map(repr, task))
-    key = (named, J.link, J.frame)
+    key = (named, J.link, J.frame, relative_to(J))
     known: dict[Any, tuple[Task, tuple[str, ...]]] = model.__dict__.setdefault("_structures", {})
-    if key not in known:
+    if (structure := known.get(key)) is None:
         numbers = with_numbers(model) if model.is_symbolic else model
-        found = find_task(numbers, task, at=J.link, frame=J.frame)
+        found = find_task(numbers, task, J.link, J.frame, relative_to=relative_to(J))
         if len(known) >= _CACHED:
             known.clear()
-        known[key] = found, mixed_units(found, numbers, J.link, J.frame)
-    return known[key]
+        structure = known[key] = found, mixed_units(found, numbers, J.link, J.frame, relative_to(J))
+    return structure
 
 
 def _bare(rows: Any, task: TaskName, length: Any) -> RowsInPlay:
@@ -141,11 +141,13 @@ def row_weights(rows: Sequence[int], length: Any) -> Array:
     return np.array([length if row in ANGULAR_ROWS else 1 for row in rows])  # no 1.0 in symbols
 
 
-def mixed_units(task: Task, model: RobotModel, at: str, frame: Frame | None = None) -> tuple[str, ...]:
+def mixed_units(
+    task: Task, model: RobotModel, at: str, frame: Frame | None = None, relative: str | None = None
+) -> tuple[str, ...]:
     """Where radians stand beside metres, in the rows or in the joints, and the characteristic length comes in."""
     angular = [row in ANGULAR_ROWS for row in task.rows]
     found = (ANGULAR_SCALED,) if any(angular) and not all(angular) else ()
-    prismatic, moving = prismatic_columns(model), moving_columns(model, task.rows, at, frame)
+    prismatic, moving = prismatic_columns(model), moving_columns(model, task.rows, at, frame, relative)
     mixed_joints = bool(np.any(moving & prismatic) and np.any(moving & ~prismatic))
     return (*found, PRISMATIC_SCALED) if mixed_joints else found
 

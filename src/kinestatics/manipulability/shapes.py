@@ -42,12 +42,14 @@ def image_of_box(J: Array, lower: Array, upper: Array, weights: Array, **labels:
     shape = zonotope(round_.columns)
     lost = round_.beside
     normals = _unit(np.vstack([shape.normals @ round_.normals, lost, -lost]))
+    planes = np.r_[lost, -lost] @ center
+    small = np.abs(planes) <= RANK_TOLERANCE * np.linalg.norm(generators, axis=1).sum()
     states = np.vstack([shape.sides, np.zeros((2 * len(lost), J.shape[1]))]).astype(np.int8)
     drawn = k <= _DRAWN and shape.corners is not None
     notes = [f"flat: no joint moves it along {_arrow(line)}" for line in lost]
     return Polytope(
         normals=normals,
-        offsets=normals @ center + np.abs(normals @ generators.T).sum(axis=1),
+        offsets=np.r_[_supports(generators, center, normals[: len(shape.normals)]), np.where(small, 0.0, planes)],
         states=states,
         corners=center + shape.corners @ generators if drawn else None,
         rays=np.zeros((0, k)),
@@ -61,6 +63,10 @@ def image_of_box(J: Array, lower: Array, upper: Array, weights: Array, **labels:
         tolerance=RANK_TOLERANCE,
         **labels | {"notes": (*labels.get("notes", ()), *notes)},
     )
+
+
+def _supports(generators: Array, center: Array, normals: Array) -> Array:
+    return normals @ center + np.abs(normals @ generators.T).sum(axis=1)
 
 
 class _HalfSpaces(NamedTuple):

@@ -24,7 +24,8 @@ class SpeedCapacity:
         rates: (..., n) joint rates that reach it [rad/s or m/s]; where others do too, those of one corner.
         limiting: (..., n) 1 for a joint whose upper limit makes the value what it is, -1 for a lower one, 0 for the others.
         lower, upper: (n) the velocity limits.
-        rows: names of the rows that follow the direction; held: those of rotation that stay zero; all others are free.
+        rows: names of the rows that follow the direction (of a batch, of any: each follows those in play and its own);
+            held: those of rotation that stay zero; all others are free.
         is_lost: (...) whether no motion of the joints goes that way.
         tolerance: singular values below this share of the largest count as zero.
 

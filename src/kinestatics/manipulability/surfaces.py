@@ -57,12 +57,14 @@ def enclosed(corners: Array, faces: Faces) -> float:
     k = corners.shape[-1]
     if k == 1:
         return float(np.ptp(corners))
-    spokes = corners - corners.mean(axis=0)
+    U, sigma, _ = np.linalg.svd(corners - corners.mean(axis=0), full_matrices=False)
+    spokes = U * np.sqrt(len(corners))  # round: a body a billion times as long as thick would lose its volume in rounding
+    unit = float(np.prod(sigma / np.sqrt(len(corners))))
     if k == 2:
         a = spokes[list(faces[0])]
         b = np.roll(a, -1, axis=0)
-        return 0.5 * float(np.sum(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]))
-    return sum(_fan(spokes[list(face)]) for face in faces) / 6.0
+        return unit * 0.5 * abs(float(np.sum(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])))
+    return unit * abs(sum(_fan(spokes[list(face)]) for face in faces)) / 6.0
 
 
 def _fan(polygon: Array) -> float:

@@ -35,7 +35,7 @@ def canvas_for(model: RobotModel, ax: Any, view: tuple[float, float] | None = No
         if plane is not None:
             return Flat(axes, plane)
         axes.set_proj_type("ortho")
-        elevation, azimuth = view or VIEW
+        elevation, azimuth = VIEW if view is None else _checked_view(view)
         axes.view_init(elev=elevation, azim=azimuth)
         axes.patch.set_visible(False)  # pictures side by side may reach into each other's corners
         return Space(axes)
@@ -45,6 +45,15 @@ def canvas_for(model: RobotModel, ax: Any, view: tuple[float, float] | None = No
         hint = "leave ax out, pass a figure, or figure.add_subplot(projection='3d')"
         raise ConfigurationError("KS380", f"robot {model.name!r} moves in space, and the axes given are flat", hint)
     return Flat(ax, plane)
+
+
+def _checked_view(view: Any) -> tuple[float, float]:
+    """Elevation and azimuth [deg]; KS383 for anything else."""
+    try:
+        elevation, azimuth = (float(angle) for angle in view)
+    except (TypeError, ValueError):
+        raise ConfigurationError("KS383", f"view is {view!r}", "(elevation, azimuth) in degrees") from None
+    return elevation, azimuth
 
 
 def is_axes(ax: Any) -> bool:

@@ -189,6 +189,7 @@ def draw_bars(ax: Any, model: RobotModel, parts: Sequence[tuple[str, str, Array]
         start = np.where(up, ends[True], ends[False])
         ax.barh(rows, values, left=start, height=0.62, color=color, edgecolor="white", linewidth=0.4, label=name, zorder=2)
         ends = {side: np.where(up == side, start + values, end) for side, end in ends.items()}
+    total = np.where(np.abs(total) > _ROUNDING * np.abs([values for *_, values in parts]).max(initial=0.0), total, 0.0)
     limits = np.where(total < 0, -model.effort_limits, model.effort_limits)
     known = np.isfinite(limits)
     if np.any(known):

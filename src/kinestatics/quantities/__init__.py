@@ -8,7 +8,7 @@ from .arrays import check_batches, checked_poses, in_one_library, numeric, plain
 from .frozen import Frozen
 from .jacobians import Hessian, Jacobian, JacobianMatrix, JacobianRate, Locate, seen_from
 from .poses import Pose
-from .printing import TIED, WIDTH, format_number, table, wrapped
+from .printing import TIED, WIDTH, format_number, largest, table, wrapped
 from .six_vectors import (
     Acceleration,
     SixVector,
@@ -39,6 +39,7 @@ __all__ = [
     "format_number",
     "gains_terms",
     "in_one_library",
+    "largest",
     "numeric",
     "plain",
     "require_one_frame",

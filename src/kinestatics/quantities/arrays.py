@@ -92,6 +92,13 @@ def checked_poses(value: Any, what: str) -> tuple[Array, Namespace]:
     return T, xp
 
 
+def owned(values: Array, given: Any) -> Array:
+    """The values, copied where they share the memory of the array they were given as: it may be changed by its owner."""
+    if isinstance(values, np.ndarray):
+        return values.copy() if isinstance(given, np.ndarray) and np.may_share_memory(values, given) else values
+    return values.clone() if values is given and hasattr(values, "clone") else values
+
+
 def check_batches(first: str, a: Any, second: str, b: Any) -> None:
     """Raises ConfigurationError (KS303) unless two batch shapes go together."""
     try:

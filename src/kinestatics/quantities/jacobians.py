@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import Any, NoReturn, Protocol
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from ..namespaces import Array, Namespace, as_array
 from ..spatial import ANGULAR, LINEAR, ROW_NAMES, change_twist_frame, rotate, transpose
 from .arrays import check_batches, numeric, reordered
 from .frozen import Frozen, set_once
-from .printing import TIED, WIDTH, format_number, table, wrapped
+from .printing import TIED, WIDTH, format_number, largest, table, wrapped
 from .six_vectors import Twist
 
 
@@ -153,6 +153,12 @@ class Jacobian(JacobianMatrix):
             return flat.reshape(*flat.shape[:-2], -1)
         return array
 
+    @property
+    def T(self) -> NoReturn:
+        """Not here: a bare transpose would drop frame and sign."""
+        hint = "ks.joint_torques(J, wrench) is Jᵀ w with its sign; np.asarray(J).T the bare transpose"
+        raise AttributeError(f"a Jacobian has no .T; {hint}")
+
     def same_frame(self, frame: Frame) -> bool:
         """Whether `frame` names the frame this Jacobian is written in ("base" and "tip" are looked up)."""
         return frame == self.frame or self._locate.named(frame) == self.frame
@@ -163,7 +169,7 @@ class Jacobian(JacobianMatrix):
             raise FrameMismatchError(
                 "KS330",
                 f"the Jacobian ({self.frame}) and the {what} ({frame}) are written in different frames",
-                f"rewrite the Jacobian first: J.change_frame({frame!r})",
+                f"say where it is written: frame=J.frame; or rewrite the Jacobian: J.change_frame({frame!r})",
             )
 
     def __matmul__(self, qd: Any) -> Twist:
@@ -198,10 +204,13 @@ class Jacobian(JacobianMatrix):
 
     def __str__(self) -> str:
         """A labelled table of one Jacobian; the shape of a batch."""
-        head = f"Jacobian of {self.link}: {self.frame}\nrows: linear [m/s], angular [rad/s], per unit joint rate"
+        where = wrapped(f"Jacobian of {self.link}: ", str(self.frame), hang=2 - len(f"Jacobian of {self.link}: "))
+        head = f"{where}\nrows: linear [m/s], angular [rad/s], per unit joint rate"
         if self.array.ndim > 2:
             return f"{head}\nbatch of shape {self.shape}"
-        rows = [[name, *(format_number(x) for x in row)] for name, row in zip(self.rows, numeric(self.array), strict=True)]
+        array = numeric(self.array)
+        most = {name: largest(array[part]) for part in (LINEAR, ANGULAR) for name in self.rows[part]}
+        rows = [[name, *(format_number(x, most[name]) for x in row)] for name, row in zip(self.rows, array, strict=True)]
         named = table([["", *self.joint_names], *rows])
         if not self.joint_names or len(named.partition("\n")[0]) <= WIDTH:
             return f"{head}\n{named}"

@@ -5,22 +5,42 @@ from __future__ import annotations
 import textwrap
 from typing import Any
 
+import numpy as np
+
 WIDTH = 80
 """Columns of text that printed results keep to, where the names of links and joints allow it."""
 TIED = "\u00a0"
 """A space at which no line is broken; printed as an ordinary one."""
 
 
-def format_number(x: Any) -> str:
-    """Four decimals at most, no minus before a rounded zero; symbols as they are."""
+_NOISE = 1e-12
+"""Beside a number, one this much smaller is rounding, and is printed as 0."""
+
+
+def format_number(x: Any, beside: Any = 0.0) -> str:
+    """Four decimals at most, no minus before a rounded zero; symbols as they are.
+
+    `beside` is the largest of the numbers it stands among: what is rounding compared with it is 0.
+    """
     try:
         value = float(x)
     except (TypeError, ValueError):
         return str(x)
+    if abs(value) < _NOISE * abs(beside):
+        return "0"
     if value != 0 and (abs(value) < 5e-5 or abs(value) >= 1e6):
         return "0" if abs(value) < 1e-12 else f"{value:.3g}"
     text = f"{value:.4f}".rstrip("0").rstrip(".")
     return "0" if text in ("-0", "") else text
+
+
+def largest(array: Any) -> float:
+    """The largest finite size in an array of numbers; 0 for symbols."""
+    numbers = np.asarray(array)
+    if numbers.dtype == object or not numbers.size:
+        return 0.0
+    sizes = np.abs(numbers)
+    return float(sizes[np.isfinite(sizes)].max(initial=0.0))
 
 
 def table(rows: list[list[str]]) -> str:

@@ -24,14 +24,14 @@ from ..spatial import (
     change_wrench_frame,
     split_pose,
 )
-from .arrays import check_batches, checked_poses, in_one_library, numeric, plain, reordered, six_of_halves
+from .arrays import check_batches, checked_poses, in_one_library, numeric, owned, plain, reordered, six_of_halves
 from .frozen import Frozen, set_once
 from .poses import Pose
 from .printing import format_number
 
 ONE_FRAME: Final = (
     "rewrite one: ks.change_frame(arm, q, it, frame) looks both frames up, 'base' and 'tip' too; "
-    "it.change_frame(frame, T) does without a robot"
+    "it.change_frame(frame, T) does without a robot; frame=J.frame says the one of a Jacobian and of what it gives"
 )
 """The remedy where two six-vectors are written in different frames."""
 
@@ -55,7 +55,10 @@ class SixVector(Frozen):
         values, _ = as_array(array, type(self).__name__.lower())
         if values.ndim < 1 or values.shape[-1] != 6:
             raise ConfigurationError("KS303", f"a {type(self).__name__} has shape {tuple(values.shape)}; expected (..., 6)")
-        set_once(self, "array", values)
+        if not isinstance(frame, Frame):
+            hint = "ks.Frame.body('tip'), ks.Frame.spatial(), or ks.Frame(axes, origin)"
+            raise ArrayTypeError("KS302", f"the frame of a {type(self).__name__} is a {type(frame).__name__}", hint)
+        set_once(self, "array", owned(values, array))
         set_once(self, "frame", frame)
 
     def with_array(self, array: Array, frame: Frame | None = None) -> Self:

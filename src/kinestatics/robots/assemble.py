@@ -123,7 +123,7 @@ def _default_tip(robot: RobotDescription, base: str, walk: list[_Step], whole_tr
     raise RobotDefinitionError(
         "KS314",
         f"robot {robot.name!r} has {len(leaves)} possible tips from base {base!r}: {shown}",
-        "pass tip='one of them' for a chain, or whole_tree=True to keep all joints (in a shell: --tip)",
+        f"pass tip={leaves[0]!r} or another for a chain, or whole_tree=True to keep all joints (in a shell: --tip)",
     )
 
 

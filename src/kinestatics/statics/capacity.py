@@ -13,7 +13,7 @@ from ..frames import TIP
 from ..kinematics import configuration, jacobian, require_model
 from ..model import RobotModel
 from ..namespaces import Array, as_array
-from ..quantities import check_batches
+from ..quantities import Frozen, check_batches
 from ..spatial import ANGULAR, LINEAR, rotate, transpose
 from ..tasks import without_rounding
 from .capacity_result import Capacity
@@ -125,7 +125,7 @@ def _arguments(
     """q, the limits, and the torques that hold the arm's own weight (None: left out)."""
     require_model(model)
     if gravity is not None and not model.has_masses:
-        raise missing_masses(model, "its file gives none; gravity=None leaves the weight of the arm out")
+        raise missing_masses(model, "its description gives none; gravity=None leaves the weight of the arm out")
     array, xp = configuration(model, q, check_finite)
     down = None if gravity is None else checked_gravity(gravity)
     if xp.name != "numpy" or object in (model.masses.dtype, getattr(down, "dtype", None)):
@@ -174,6 +174,9 @@ def _number(value: Any) -> float:
 def _wrench(direction: Any) -> tuple[Array, str]:
     """The wrench per unit of the result, (..., 6), and that unit."""
     hint = "(x, y, z) of a force in base axes, or (fx, fy, fz, mx, my, mz)"
+    if isinstance(direction, Frozen):
+        message = f"direction is a {type(direction).__name__}; its frame and side would be lost"
+        raise ArrayTypeError("KS302", message, hint)
     array, xp = as_array(direction, "direction")
     if xp.name != "numpy":
         raise ArrayTypeError(
@@ -223,6 +226,7 @@ def _capacity(
     notes = [*notes, *_notes(model, limits, felt, unknown, holds)]
     value, margin = np.where(unknown | broken, np.nan, value), np.where(broken, np.nan, 1.0 - share.max(-1, initial=0.0))
     moved = np.where(np.isfinite(value), value, 0.0)[..., None] * np.where(loaded, per_unit, 0.0)
+    moved = np.where(broken[..., None], np.nan, moved)
     return Capacity(
         what=what,
         unit=unit,

@@ -11,7 +11,7 @@ from ..errors import ArrayTypeError, ConfigurationError
 from ..namespaces import Array, Namespace
 from ..quantities import Frozen, Jacobian, Wrench, check_batches, in_one_library
 from ..spatial import rotate, size_weights, transpose
-from ..tasks import Task, find_task, model_of, task_of, without_rounding
+from ..tasks import Task, find_task, model_of, relative_to, task_of, without_rounding
 from . import symbols
 from .estimate_result import WrenchEstimate
 from .subspaces import RANK_TOLERANCE, SAFE, Spectrum, check_length, decompose, jacobian_array, rounding, spectrum
@@ -88,6 +88,8 @@ def _measured(J: Any, tau: Any, gravity: Any, covariance: Any, acts_on: str) -> 
     jacobian_array(J, "wrench_from_torques")
     Wrench(np.zeros(6), J.frame, acts_on)  # refuses a side that is none
     arrays = {"the Jacobian": J.array, "tau": tau, "gravity_torques": gravity, "covariance": covariance}
+    if tau is None:
+        raise ArrayTypeError("KS302", "tau is None", "the torques that were measured, one for each joint")
     given = {name: value for name, value in arrays.items() if value is not None}
     for name, value in list(given.items())[1:]:
         if isinstance(value, Frozen):
@@ -120,7 +122,7 @@ def _task(J: Jacobian, task: Any) -> Task:
     model = model_of(J)
     if not model.is_symbolic:
         return task_of(J, task)
-    return find_task(symbols.with_numbers(model), task, at=J.link, frame=J.frame)
+    return find_task(symbols.with_numbers(model), task, J.link, J.frame, relative_to=relative_to(J))
 
 
 def _numeric(J: Jacobian, m: _Measured, task: Task, acts_on: str, length: float, tolerance: float) -> WrenchEstimate:

@@ -103,7 +103,7 @@ def require_masses(model: RobotModel) -> None:
 
 def missing_masses(model: RobotModel, hint: str = "") -> MissingMassError:
     """The error for a static question to an arm whose masses are unknown."""
-    hint = hint or "its file gives none; a result of zero would be wrong, not light"
+    hint = hint or "its description gives none; a result of zero would be wrong, not light"
     return MissingMassError("KS320", f"robot {model.name!r} has no masses", hint)
 
 
@@ -136,11 +136,13 @@ def _compiled(model: RobotModel, gravity: Any) -> Chain | None:
 
 def _gravity_chain(model: RobotModel, gravity: tuple[float, ...]) -> Chain:
     chains: dict[tuple[float, ...], Chain] = model.__dict__.setdefault("_gravity_chains", {})
-    if gravity not in chains:
+    if (chain := chains.get(gravity)) is None:
         if len(chains) >= 16:
             chains.clear()
-        chains[gravity] = Chain(*chain_arguments(model, model.link(BASE), gravity=(gravity[0], gravity[1], gravity[2])))
-    return chains[gravity]
+        chain = chains[gravity] = Chain(
+            *chain_arguments(model, model.link(BASE), gravity=(gravity[0], gravity[1], gravity[2]))
+        )
+    return chain
 
 
 def gravity_in_base(mounting: Any = "floor", magnitude: float = -STANDARD_GRAVITY[2]) -> Array:

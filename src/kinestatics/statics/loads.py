@@ -19,8 +19,8 @@ from ..quantities import Wrench, check_batches, in_one_library
 from .gravity import checked_gravity, gravity_torques, missing_masses
 from .torques import joint_torques
 
-Loads = Wrench | Mapping[str, Wrench | Sequence[Wrench]] | Sequence[tuple[str, Wrench]] | None
-"""A wrench at the tip, {link: wrench or wrenches}, [(link, wrench), ...], or none.
+Loads = Wrench | Mapping[str, Wrench | Sequence[Wrench]] | Sequence[Wrench] | Sequence[tuple[str, Wrench]] | None
+"""A wrench or several at the tip, {link: wrench or wrenches}, [(link, wrench), ...], or none.
 
 A wrench of the default frame is in base axes, at the origin of the link it acts on (displaced by the frame's offset);
 every other frame of the robot is taken as it says. `Wrench.on_robot` is a load, `Wrench.on_environment` a push.
@@ -94,7 +94,7 @@ def statics_arguments(
     """The loads, q and gravity (None: left out) of a question about the whole arm, checked, and their common library."""
     require_model(model)
     if gravity is not None and not model.has_masses:
-        raise missing_masses(model, "its file gives none; gravity=None leaves the weight of the arm out")
+        raise missing_masses(model, "its description gives none; gravity=None leaves the weight of the arm out")
     applied = applied_loads(model, loads)
     array, _ = configuration(model, q, check_finite)
     down = None if gravity is None else checked_gravity(gravity)
@@ -125,9 +125,13 @@ def _pairs(loads: Any) -> Iterator[tuple[Any, Any]]:
         yield TIP, loads
     elif isinstance(loads, Mapping):
         for name, wrenches in loads.items():
-            yield from ((name, wrench) for wrench in ([wrenches] if isinstance(wrenches, Wrench) else _listed(wrenches)))
+            several = wrenches if isinstance(wrenches, list | tuple) else [wrenches]
+            yield from ((name, wrench) for wrench in several)
     else:
         for pair in _listed(loads):
+            if isinstance(pair, Wrench):
+                yield TIP, pair
+                continue
             if not (isinstance(pair, list | tuple) and len(pair) == 2):
                 raise ArrayTypeError("KS302", f"loads hold a {type(pair).__name__}; expected (link, wrench)", _HINT)
             yield pair[0], pair[1]

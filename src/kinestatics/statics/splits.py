@@ -260,10 +260,11 @@ def _divide(
     """Active, structure and impossible part of wrenches (..., 6)."""
     rows = xp.constant(mask_of(task.rows), matrix)
     arm = spectrum(matrix, xp, length, tolerance, task.rows)
-    columns = matrix * xp.constant(passive.astype(float), matrix)
-    without_motor = spectrum(columns, xp, length, tolerance, task.rows, arm.values)
     scaled = rows * six / arm.weights
-    impossible = without_motor.reached(scaled)
+    impossible = 0 * scaled
+    if np.any(passive):  # of zeros alone, singular vectors have no derivative
+        columns = matrix * xp.constant(passive.astype(float), matrix)
+        impossible = spectrum(columns, xp, length, tolerance, task.rows, arm.values).reached(scaled)
     active = arm.reached(scaled - impossible)
     structure = scaled - impossible - active
     return arm.weights * active, arm.weights * structure + (1 - rows) * six, arm.weights * impossible

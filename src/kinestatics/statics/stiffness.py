@@ -140,7 +140,7 @@ def tip_stiffness(
         hint = "np.asarray(J), one at a time; tip_compliance takes batches and every library"
         raise ConfigurationError("KS303", f"tip_stiffness takes one numeric Jacobian, got {tuple(matrix.shape)}", hint)
     half = np.sqrt(softness)
-    parts = decompose(matrix * half, range(6), length)
+    parts = decompose((matrix * half).astype(matrix.dtype), range(6), length)
     weights = np.ones(6)
     weights[ANGULAR] = length
     U, sigma, Vt = np.linalg.svd(weights[:, None] * matrix * half, full_matrices=False)

@@ -51,11 +51,15 @@ def decompose(J: Any, rows: Sequence[int], length: float, tolerance: float = RAN
         J: one Jacobian, (6, n).
         rows: rows in play, 0..5.
         length: characteristic length [m]: a twist's size is |(v, length · ω)|.
-        tolerance: singular values below this fraction of the largest count as zero.
+        tolerance: singular values below this fraction of the largest count as zero; at least what single precision allows
+            where J is in it.
 
     Law: free wrenches span null(Jᵀ); lost twists are what is at right angles to all reachable ones, in that size.
     """
-    matrix = np.asarray(J, dtype=float)
+    given = np.asarray(J)
+    if given.dtype == np.float32:
+        tolerance = max(tolerance, SAFE * rounding(given))
+    matrix = np.asarray(given, dtype=float)
     if matrix.ndim != 2 or not np.all(np.isfinite(matrix)):
         raise ConfigurationError("KS303", f"expected one finite Jacobian (6, n), got {matrix.shape}", _ONE)
     check_length(length)

@@ -34,7 +34,7 @@ def joint_torques(J: Jacobian, wrench: Wrench) -> Array:
         hint = "J = ks.jacobian(arm, q); Wrench.on_robot(force=...) for a load, Wrench.on_environment(...) for a push"
         raise ArrayTypeError("KS302", f"joint_torques takes a Jacobian and a Wrench, not {found}", hint)
     J.require_frame(wrench.frame, "wrench")
-    sign = 1 if wrench.acts_on == "environment" else -1
     (matrix, six), _ = in_one_library({"the Jacobian": J.array, "the wrench": wrench.array})
     check_batches("the Jacobian", matrix.shape[:-2], "the wrench", six.shape[:-1])
-    return sign * rotate(transpose(matrix), six)
+    torques = rotate(transpose(matrix), six)
+    return torques if wrench.acts_on == "environment" else 0 - torques  # 0 - x has no minus before a zero
