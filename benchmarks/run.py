@@ -21,6 +21,7 @@ from pathlib import Path
 import compiled
 import measurements
 import numpy as np
+import statics
 from harness import Row, pin_to_one_core, table
 from robots import subject
 
@@ -57,7 +58,7 @@ def main() -> None:
         robot = subject(name)
         loop = compiled.PinocchioLoop(library, robot.model, robot.tool) if library is not None else None
         print(f"{name}: {measurements.accuracy(robot)}")
-        for section in measurements.SECTIONS:
+        for section in (*measurements.SECTIONS, statics.static_torques):
             found = section(robot, loop, limit, rounds)
             rows += found
             print("\n".join(table(found).splitlines()[2:]), flush=True)

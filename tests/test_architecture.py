@@ -27,7 +27,7 @@ FLOORS = {
     "recognition": 6,
     "six_vectors": 6,
     "statics": 7,
-    "manipulability": 8,
+    "dexterity": 8,
     "inverse_velocity": 8,
     "evaluator": 8,
     "grasps": 8,

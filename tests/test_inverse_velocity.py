@@ -1,8 +1,11 @@
 """Joint rates: numbers of the notes, singular postures, limits over time, words, mistakes, other array libraries."""
 
+import copy
 import json
+import pickle
 import re
 import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,6 +18,7 @@ PLANAR = ks.load("planar_2r")
 PANDA = ks.load("panda")
 J7 = ks.jacobian(PANDA, PANDA.home)
 FREE = (np.nan, np.nan, np.nan)
+TWIST = ks.Twist.of((0.1, 0, 0))
 
 
 # Numbers of the notes and of the collected cases
@@ -102,13 +106,18 @@ def test_every_arm_in_every_posture_it_is_named_for(name):
 
 def test_free_orientation_of_a_wrist_with_the_tip_on_its_axes():
     """Entries of 1e-17 m are no lever arms: with orientation free, no velocity is reachable and no rate is large."""
-    wrist = ks.from_dh([(0, np.pi / 2, 0, 0), (0, -np.pi / 2, 0, 0), (0, 0, 0, 0)], convention="standard")
-    arm = ks.from_dh([(0.5, 0, 0, 0), (0, np.pi / 2, 0, 0), (0, -np.pi / 2, 0, 0)], convention="standard")
-    J = ks.jacobian(arm, [0.3, 0.4, 0.5])
+    tip, tilt = (
+        np.array([0.1, 0.2, 0.3]),
+        [(0.0, 0.0, 1.0), (0.0, np.sin(0.3), np.cos(0.3)), (np.sin(0.5), 0.0, np.cos(0.5))],
+    )
+    home = np.eye(4)
+    home[:3, 3] = tip
+    wrist = ks.from_screws([ks.screw_axis(axis, point=tip) for axis in tilt], home, order="linear-angular")
+    J = ks.jacobian(wrist, [0.3, 0.4, 0.5])
+    assert 0 < np.abs(J.linear).max() < 1e-15
     found = ks.joint_rates(J, ks.Twist.of((0, 0, 1), FREE))
-    assert not found.reachable
-    assert np.abs(found.array).max() < 1e-9
-    assert wrist.n == 3
+    assert (found.rank, bool(found.reachable)) == (0, False)
+    assert np.all(found.array == 0.0)
 
 
 def test_intermediate_links_are_other_jacobians():
@@ -208,6 +217,18 @@ def test_results_and_arguments_are_left_alone():
         found.array = 0
     with pytest.raises(ValueError, match="read-only"):
         found.limits.lower[0] = 0.0
+
+
+def test_results_can_be_kept():
+    """Pickled and copied, with what was already asked for."""
+    limits = ks.RateLimits.of(PANDA, PANDA.home)
+    found = ks.joint_rates(J7, ks.Twist.of((1, np.nan, 0)), limits=limits)
+    tasks = ks.prioritized_rates([(J7, TWIST)])
+    reason = found.reason
+    for copied in (pickle.loads(pickle.dumps(found)), copy.deepcopy(found)):
+        assert (copied.reason, copied.limiting) == (reason, found.limiting)
+        np.testing.assert_array_equal(copied.closest.array, found.closest.array)
+    assert str(pickle.loads(pickle.dumps(tasks))) == str(tasks)
 
 
 # Limits of one period
@@ -370,6 +391,9 @@ def test_solver_in_body_axes_and_at_other_points():
     np.testing.assert_allclose(
         (ks.jacobian(PANDA, q, at="panda_link4", point=point) @ rates).linear, [0.1, 0.05, 0.02], atol=1e-3
     )
+    offset = ks.RateSolver(PANDA, dt=0.01, frame=ks.Frame("base", "tip", point), task="position", damping=1e-3)
+    rates = offset.step(q, [0.1, 0.05, 0.02, 0, 0, 0])
+    np.testing.assert_allclose((ks.jacobian(PANDA, q, point=point) @ rates).linear, [0.1, 0.05, 0.02], atol=1e-3)
     sized = ks.RateSolver(PANDA, dt=0.01, length=0.3, damping=0.1, task=["vx", "vz", "wy"])
     rates = sized.step(q, [0.1, 9.0, 0.02, 9.0, 0.3, 9.0])
     rows, weights = [0, 2, 4], np.array([1.0, 1.0, 0.3])
@@ -385,8 +409,69 @@ def test_solver_goes_on_where_daqp_gives_up(monkeypatch):
     monkeypatch.setattr(solver, "_solve", lambda: (np.zeros(7), 0.0, -2, {}))
     np.testing.assert_allclose(solver.step(q, twist), expected, atol=1e-7)
     np.testing.assert_allclose(solver.step(q, twist), expected, atol=1e-7)
-    monkeypatch.setattr(solver, "_shared", False)
-    np.testing.assert_allclose(solver.step(q, twist), expected, atol=1e-9)
+
+
+def test_solver_sees_the_limits_again_after_an_excursion():
+    """From the middle to a position limit and back at once: bounds are those of where the arm is, not of where it was."""
+    solver = ks.RateSolver(PLANAR_LIMITED, dt=0.01)
+    for q in ([0.0, 0.0], [0.995, 0.0], [0.0, 0.0], [0.01, 0.0], [0.0, -0.999], [0.0, 0.0]):
+        solver.step(q, np.array([5.0, 5.0, 0, 0, 0, 0]))
+        limits = ks.RateLimits.of(PLANAR_LIMITED, q, dt=0.01)
+        for mine, other in zip(solver.bounds, (limits.lower, limits.upper), strict=True):
+            np.testing.assert_allclose(mine, other, atol=1e-6)
+
+
+@pytest.mark.parametrize("lie", ["nothing met", "everything met", "no answer", "all wrong"])
+def test_what_the_solver_says_is_checked(lie, monkeypatch):
+    """A wrong set of bounds, or none, from DAQP is found out by the conditions of the optimum, and put right."""
+    from kinestatics.inverse_velocity import quadratic
+
+    rng = np.random.default_rng(4)
+    for _ in range(30):
+        n = int(rng.integers(2, 8))
+        J, v = rng.normal(size=(int(rng.integers(1, 7)), n)), rng.normal(size=n)[0] * 3
+        lower, upper = -rng.uniform(0.1, 1.0, n), rng.uniform(0.1, 1.0, n)
+        asked = (J, np.full(len(J), v), "qp")
+        expected = ks.joint_rates(*asked, limits=(lower, upper), damping=0.1).array
+        with monkeypatch.context() as patch:
+            guess = {"nothing met": 0.0 * upper, "everything met": upper, "no answer": upper, "all wrong": lower}[lie]
+            patch.setattr(quadratic, "_daqp", lambda _, g=guess: (g, -2 if lie == "no answer" else 1))
+            found = ks.joint_rates(*asked, limits=(lower, upper), damping=0.1).array
+        np.testing.assert_allclose(found, expected, atol=1e-12)
+
+
+class Forgetful:
+    """A workspace that loses the bounds without a word, as those of DAQP 0.8.7 to 0.9.1 do when told of H alone."""
+
+    def __init__(self):
+        self.settings = {}
+
+    def setup(self, H, f, *_):
+        self.H, self.f = H, f
+
+    def update(self, *_):
+        return 0
+
+    def solve(self):
+        return np.linalg.solve(self.H, -self.f), 0.0, 1, {}
+
+
+def test_solver_does_not_trust_a_workspace_that_loses_the_bounds(monkeypatch):
+    """The ways to call DAQP are tried on problems with known answers: the one that is wrong is not taken."""
+    daqp = pytest.importorskip("daqp")
+    from kinestatics.inverse_velocity import workspace
+
+    q, twist = PANDA.home, np.array([9.0, 9.0, 0.0, 0.0, 0.0, 3.0])
+    expected = ks.RateSolver(PANDA, dt=0.01).step(q, twist)
+    monkeypatch.setattr(workspace, "solver", lambda: SimpleNamespace(Model=Forgetful, solve=daqp.solve))
+    found = ks.RateSolver(PANDA, dt=0.01).step(q, twist)
+    np.testing.assert_allclose(found, expected, atol=1e-8)
+    monkeypatch.setattr(workspace, "solver", lambda: SimpleNamespace(solve=daqp.solve))  # older: no workspace at all
+    np.testing.assert_allclose(ks.RateSolver(PANDA, dt=0.01).step(q, twist), expected, atol=1e-8)
+    wrong = SimpleNamespace(Model=Forgetful, solve=lambda H, f, *_, **__: (np.linalg.solve(H, -f), 0.0, 1, {}))
+    monkeypatch.setattr(workspace, "solver", lambda: wrong)
+    with pytest.raises(ks.ConfigurationError, match="KS356"):
+        ks.RateSolver(PANDA, dt=0.01)
 
 
 # Other array libraries
@@ -464,7 +549,6 @@ def test_single_precision_is_judged_by_its_own_rounding():
 
 # Mistakes
 
-TWIST = ks.Twist.of((0.1, 0, 0))
 MISTAKES = {
     "an unknown method": (lambda: ks.joint_rates(J7, TWIST, "pinv"), "KS350"),
     "a method nearly right": (lambda: ks.joint_rates(J7, TWIST, "dampd"), "KS350.*'damped'"),
@@ -517,6 +601,7 @@ MISTAKES = {
     "a step with one number": (lambda: ks.RateSolver(PANDA, dt=1).step(PANDA.home, 1.0), "KS303"),
     "a step from six joints": (lambda: ks.RateSolver(PANDA, dt=1).step([0.0] * 6, np.zeros(6)), "KS303"),
     "a solver without a period": (lambda: ks.RateSolver(PANDA, dt=-1), "KS353: dt"),
+    "a solver with too little damping": (lambda: ks.RateSolver(PANDA, dt=1, damping=1e-6), "KS353.*at least"),
     "a solver in spatial axes": (lambda: ks.RateSolver(PANDA, dt=1, frame=ks.Frame.spatial()), "KS331"),
     "a reset to nothing": (lambda: ks.RateSolver(PANDA, dt=1).reset([1.0]), "KS303"),
 }

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import kinestatics as ks
-from kinestatics.manipulability import halfspaces, zonotopes
-from kinestatics.manipulability.shapes import image_of_box, let_through
-from kinestatics.manipulability.surfaces import closes
+from kinestatics.dexterity import halfspaces, zonotopes
+from kinestatics.dexterity.shapes import image_of_box, let_through
+from kinestatics.dexterity.surfaces import closes
 from strategies import assert_close
 
 QUARTER = np.pi / 2

@@ -194,8 +194,8 @@ MISTAKES = {
     "capacity of a name": (lambda: ks.payload_capacity("ur5e", Q), "KS302.*RobotModel"),
     "mass matrix of a name": (lambda: ks.mass_matrix("ur5e", Q), "KS302.*RobotModel"),
     "a bare wrench": (lambda: ks.holding_torques(ARM, Q, [0, 0, -9.81, 0, 0, 0]), r"KS302.*\(link, wrench\)"),
-    "wrenches without links": (lambda: ks.holding_torques(ARM, Q, [LOAD]), r"KS302.*\(link, wrench\)"),
-    "a number on a link": (lambda: ks.holding_torques(ARM, Q, {"tip": 3.0}), "KS302.*loads"),
+    "wrenches without links": (lambda: ks.holding_torques(ARM, Q, [[LOAD]]), r"KS302.*\(link, wrench\)"),
+    "a number on a link": (lambda: ks.holding_torques(ARM, Q, {"tip": 3.0}), "KS302.*load on 'tip'"),
     "a force for a wrench": (lambda: ks.holding_torques(ARM, Q, {"tip": [(0, 0, 1)]}), r"KS302.*Wrench\.on_robot"),
     "a link that is not there": (lambda: ks.holding_torques(ARM, Q, {"forearm": LOAD}), "KS310.*forearm_link"),
     "a frame that is not there": (
@@ -550,3 +550,8 @@ def test_capacities_of_what_is_not_finite_are_nan():
         assert found.holds_itself.tolist() == [False, True]
         assert not np.any(found.held_by_structure)
     assert "unknown" in str(ks.payload_capacity(arm, q[0], check_finite=False))
+
+
+def test_several_wrenches_at_the_tip():
+    """A list of wrenches acts at the tip, like one wrench of their sum."""
+    assert_close(ks.holding_torques(ARM, Q, [LOAD, LOAD]), ks.holding_torques(ARM, Q, LOAD * 2.0), 1e-12)

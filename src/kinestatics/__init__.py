@@ -20,6 +20,24 @@ if TYPE_CHECKING:
     from .conventions import (
         CONVENTIONS as CONVENTIONS,
     )
+    from .dexterity import (
+        Ellipsoid as Ellipsoid,
+        Polytope as Polytope,
+        SpeedCapacity as SpeedCapacity,
+        asada as asada,
+        condition_number as condition_number,
+        force_ellipsoid as force_ellipsoid,
+        force_polytope as force_polytope,
+        inverse_condition as inverse_condition,
+        isotropy as isotropy,
+        manipulability as manipulability,
+        manipulability_gradient as manipulability_gradient,
+        singular_values as singular_values,
+        smallest_singular_value as smallest_singular_value,
+        speed_capacity as speed_capacity,
+        velocity_ellipsoid as velocity_ellipsoid,
+        velocity_polytope as velocity_polytope,
+    )
     from .errors import (
         ArrayTypeError as ArrayTypeError,
         ConfigurationError as ConfigurationError,
@@ -64,24 +82,6 @@ if TYPE_CHECKING:
         jacobian_rate as jacobian_rate,
         pose as pose,
         relative_jacobian as relative_jacobian,
-    )
-    from .manipulability import (
-        Ellipsoid as Ellipsoid,
-        Polytope as Polytope,
-        SpeedCapacity as SpeedCapacity,
-        asada as asada,
-        condition_number as condition_number,
-        force_ellipsoid as force_ellipsoid,
-        force_polytope as force_polytope,
-        inverse_condition as inverse_condition,
-        isotropy as isotropy,
-        manipulability as manipulability,
-        manipulability_gradient as manipulability_gradient,
-        singular_values as singular_values,
-        smallest_singular_value as smallest_singular_value,
-        speed_capacity as speed_capacity,
-        velocity_ellipsoid as velocity_ellipsoid,
-        velocity_polytope as velocity_polytope,
     )
     from .model import (
         RobotModel as RobotModel,
@@ -203,7 +203,7 @@ _CONTENTS = {  # what is public and where it is defined; a module is imported wh
         "pose",
         "relative_jacobian",
     ),
-    "manipulability": (
+    "dexterity": (
         "Ellipsoid",
         "Polytope",
         "SpeedCapacity",
@@ -303,6 +303,3 @@ def __getattr__(name: str) -> Any:
 
 def __dir__() -> list[str]:
     return list(__all__)
-
-
-from .manipulability import manipulability as manipulability  # noqa: E402 - until the folder has another name

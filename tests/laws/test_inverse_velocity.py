@@ -4,7 +4,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from hypothesis import given, strategies as st
+from hypothesis import example, given, strategies as st
 
 import kinestatics as ks
 from kinestatics.namespaces import as_array
@@ -126,7 +126,10 @@ def test_what_the_arm_can_do_is_reachable_in_every_frame(f):
     J = ks.jacobian(model, q)
     for frame in (J.frame, ks.Frame.body(), ks.Frame.spatial()):
         there = J.change_frame(frame)
-        found = ks.joint_rates(there, there @ rates, tolerance=1e-8)
+        sigma = np.linalg.svd(there.array, compute_uv=False)
+        if np.any((sigma > 1e-14 * sigma[0]) & (sigma < 1e-6 * sigma[0])):
+            continue  # neither lost nor there: the answer depends on the tolerance
+        found = ks.joint_rates(there, there @ rates)
         assert found.reachable
         assert found.reason == f"reachable: rank J = rank [J | ξ] = {found.rank}"
         assert_close(found.achieved, (there @ rates).array, 1e-7)
@@ -444,6 +447,7 @@ def test_without_binding_limits_the_program_is_the_pseudoinverse():
 
 
 @given(st.integers(0, 2**31 - 1), st.booleans(), st.booleans())
+@example(542105, False, False)  # a great change of rates for the last millionth of the speed
 def test_direction_is_kept_at_the_greatest_speed(seed, around_zero, weighted):
     """J q̇ = s ξ with s as great as a linear program over all rates makes it, and then the smallest rates."""
     rng = np.random.default_rng(seed)
@@ -484,6 +488,7 @@ def hierarchy(levels, n):
 
 
 @given(st.integers(0, 2**31 - 1), st.integers(1, 4))
+@example(801, 3)  # a weak direction at the third level, rates of 1e5
 def test_priorities_are_strict(seed, count):
     """The first task is as good as alone; each other as good as the null space of those before lets it be."""
     rng = np.random.default_rng(seed)

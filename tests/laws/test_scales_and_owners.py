@@ -142,6 +142,14 @@ def test_six_vectors_are_not_taken_for_bare_numbers():
             call()
 
 
+def test_speeds_where_q_is_not_finite_are_nan():
+    """check_finite=False lets NaN through, and it stays NaN."""
+    arm = ks.load("ur5e")
+    found = ks.speed_capacity(arm, np.array([np.full(6, np.nan), Q]), (0, 0, 1), check_finite=False)
+    assert np.isnan(found.value).tolist() == [True, False]
+    assert not np.any(found.limiting[0])
+
+
 def test_a_frame_may_be_given_with_a_list():
     """An offset of a list names the same frame as one of a tuple."""
     arm = ks.load("ur5e")

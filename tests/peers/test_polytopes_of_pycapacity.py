@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import kinestatics as ks
-from kinestatics.manipulability.shapes import image_of_box, let_through
+from kinestatics.dexterity.shapes import image_of_box, let_through
 
 capacity = pytest.importorskip("pycapacity.robot", reason="the judge is part of the dev extra")
 examples = pytest.importorskip("pycapacity.examples")

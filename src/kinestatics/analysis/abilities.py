@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..manipulability import Ellipsoid, force_ellipsoid, speed_capacity, velocity_ellipsoid
+from ..dexterity import Ellipsoid, force_ellipsoid, speed_capacity, velocity_ellipsoid
 from ..model import RobotModel
 from ..namespaces import Array
 from ..quantities import Jacobian
@@ -39,7 +39,7 @@ def abilities(
         return (), ()
     words = [f"{sign}{ROW_NAMES[row][-1]}" for row in linear for sign in "+-"]
     directions = np.array([size * np.eye(3)[row] for row in linear for size in (1.0, -1.0)])
-    speeds = speed_capacity(model, q, directions, task=task.rows, at=J.link) if fast else None
+    speeds = speed_capacity(model, q, directions, task=task.rows, at=J.link, check_finite=False) if fast else None
     pushes = force_capacity(model, q, directions, at=J.link, gravity=gravity, check_finite=False) if strong else None
     found = []
     for k, word in enumerate(words):

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from .._kernels import STANDARD_GRAVITY
+from ..dexterity import isotropy, manipulability
+from ..dexterity.rows import ANGULAR_SCALED, PRISMATIC_SCALED, manipulability_unit, mixed_units
 from ..errors import ArrayTypeError, ConfigurationError
 from ..frames import TIP
 from ..kinematics import configuration, jacobian, pose, require_model
-from ..manipulability import isotropy, manipulability
-from ..manipulability.rows import ANGULAR_SCALED, PRISMATIC_SCALED, manipulability_unit, mixed_units
 from ..model import RobotModel
 from ..namespaces import Array, Namespace
 from ..quantities import Jacobian

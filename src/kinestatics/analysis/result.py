@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..manipulability import Ellipsoid
+from ..dexterity import Ellipsoid
 from ..namespaces import Array
 from ..quantities import Jacobian, Pose, Wrench
 from ..screws_in_words import Screw

@@ -89,6 +89,14 @@ def numbers(text: str) -> list[float]:
     return [number(part) for part in (text.split(",") if "," in text else text.split())]
 
 
+def numbers_of(option: str, text: str) -> list[float]:
+    """`numbers`, with the name of the option in the error."""
+    try:
+        return numbers(text)
+    except ConfigurationError as error:
+        raise ConfigurationError(error.code, f"{option}: {error.message}", error.hint) from None
+
+
 def read_robot(
     robot: str, base: str | None, tip: str | None, hold: list[str] | None, roots: list[Path] | None, allow_xacro: bool
 ) -> RobotModel:
@@ -100,7 +108,10 @@ def read_robot(
         name, separator, value = entry.rpartition("=")
         if not (separator and name):
             raise ConfigurationError("KS341", f"--hold {entry!r} is not name=value", "for example --hold finger_joint1=0.04")
-        joints[name] = number(value)
+        values = numbers_of("--hold", value)
+        if len(values) != 1:
+            raise ConfigurationError("KS341", f"--hold {entry!r} gives {len(values)} values for one joint", "name=value")
+        joints[name] = values[0]
     return load(robot, base, tip, joints, package_roots=roots or (), allow_xacro=allow_xacro)
 
 
@@ -116,7 +127,7 @@ def read_configuration(model: RobotModel, at: str, seed: int) -> Array:
     if at in words:
         return np.array(words[at]())
     try:
-        values = numbers(at)
+        values = numbers_of("--at", at)
     except KinestaticsError as error:
         if at.isalpha():
             raise UnknownNameError("KS342", f"--at {at!r} is not known", nearest(at, words)) from None
@@ -138,7 +149,7 @@ def read_loads(loads: list[str] | None, pushes: list[str] | None, at: str) -> li
     for texts, word, make in ((loads, "--load", Wrench.on_robot), (pushes, "--push", Wrench.on_environment)):
         for text in texts or []:
             link, named, values = text.rpartition("=")
-            six = numbers(values)
+            six = numbers_of(word, values)
             if len(six) not in (3, 6) or (named and not link):
                 hint = "fx,fy,fz or fx,fy,fz,mx,my,mz [N, N m], or link=fx,fy,fz"
                 raise ConfigurationError("KS344", f"{word} has {len(six)} numbers", hint)
@@ -150,7 +161,7 @@ def with_payloads(model: RobotModel, payloads: list[str] | None) -> RobotModel:
     """The model carrying every --payload: mass, or mass,x,y,z of its centre in axes of the tip; link=... elsewhere."""
     for k, text in enumerate(payloads or []):
         link, named, values = text.rpartition("=")
-        found = numbers(values)
+        found = numbers_of("--payload", values)
         if len(found) not in (1, 4) or (named and not link):
             hint = "mass or mass,x,y,z [kg, m], or link=mass,x,y,z"
             raise ConfigurationError("KS347", f"--payload has {len(found)} numbers", hint)
@@ -165,7 +176,7 @@ def read_mounting(text: str) -> Array:
 
     if text.replace("_", "").isalpha():
         return gravity_in_base(text)
-    angles = numbers(text)
+    angles = numbers_of("--mount", text)
     if len(angles) != _THREE:
         raise ConfigurationError("KS348", f"--mount has {len(angles)} numbers", "floor, ceiling, wall, or r,p,y")
     return gravity_in_base(angles)

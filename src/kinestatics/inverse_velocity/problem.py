@@ -36,6 +36,9 @@ class Problem:
     plain: Array
     xp: Namespace
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _again, (self.matrix, self.target, self.asked, self.sizes, self.plain)
+
     @property
     def n(self) -> int:
         """Number of joints."""
@@ -52,6 +55,11 @@ class Problem:
         if self.xp.name == "sympy":
             return wanted
         return max(wanted, 16 * max(self.matrix.shape[-2:]) * _rounding(self.matrix.dtype))
+
+
+def _again(matrix: Array, target: Array, asked: Array, sizes: Array, plain: Array) -> Problem:
+    """The problem from what can be pickled of it."""
+    return Problem(matrix, target, asked, sizes, plain, as_array(matrix)[1])
 
 
 def read_problem(J: Any, twist: Any, length: float) -> Problem:

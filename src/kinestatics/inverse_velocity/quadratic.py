@@ -21,6 +21,7 @@ _INFINITE = 1e30  # what DAQP takes for "no bound"
 _EQUALITY, _LOWER_BIT, _ACTIVE = 5, 2, 1
 _FEASIBLE = 1e-13  # relative to the bounds and C x
 _PROPER = 1e-12  # relative size below which a multiplier is zero
+_PASSES, _GAIN = 60, 1e-12
 _GUESS = 1e-5  # least damping DAQP is asked with, relative to the largest singular value
 
 
@@ -134,10 +135,7 @@ def _confirmed(problem: Bounded, guess: Array) -> Array | None:
     size = 1e-7 * (np.abs(problem.C) @ np.abs(guess) + np.finfo(float).tiny)
     sides = np.where(np.abs(y - problem.upper) <= size, 1, np.where(np.abs(y - problem.lower) <= size, -1, 0))
     fixed = problem.fixed()
-    rows: list[int] = []
-    for row in [*np.flatnonzero(fixed), *np.flatnonzero((sides != 0) & ~fixed)]:
-        if _independent(problem.C, rows, int(row)):
-            rows.append(int(row))
+    rows = _independent(problem.C, [*np.flatnonzero(fixed), *np.flatnonzero((sides != 0) & ~fixed)])
     for _ in range(len(rows) + 1):
         x = problem.least_squares(rows, sides)
         if np.any(problem.violation(x) > _FEASIBLE):
@@ -152,19 +150,24 @@ def _confirmed(problem: Bounded, guess: Array) -> Array | None:
     return None
 
 
-def _independent(C: Array, rows: list[int], row: int) -> bool:
-    """Whether a row is no combination of others."""
-    if not rows:
-        return bool(np.any(C[row]))
-    Q, _ = np.linalg.qr(C[rows].T)
-    rest = C[row] - Q @ (Q.T @ C[row])
-    return float(np.linalg.norm(rest)) > 1e-9 * float(np.linalg.norm(C[row]))
+def _independent(C: Array, rows: Sequence[Any]) -> list[int]:
+    """Those of the rows, in their order, that are no combinations of rows before them."""
+    found: list[int] = []
+    basis = np.zeros((0, C.shape[1]))
+    for row in rows:
+        rest = C[row]
+        for _ in range(2):
+            rest = rest - (basis @ rest) @ basis
+        size = float(np.linalg.norm(rest))
+        if size > 1e-9 * float(np.linalg.norm(C[row])):
+            found.append(int(row))
+            basis = np.vstack([basis, rest / size])
+    return found
 
 
 def _active_set(problem: Bounded, x: Array) -> Array:
-    """The primal active-set method from a feasible point; ends at the optimum, or where no step makes progress."""
-    sides, rows = np.zeros(len(problem.lower)), [int(r) for r in np.flatnonzero(problem.fixed())]
-    rows = [r for k, r in enumerate(rows) if _independent(problem.C, rows[:k], r)]
+    """The primal active-set method from a feasible point; ends at the optimum, or at the best found in many steps."""
+    sides, rows = np.zeros(len(problem.lower)), _independent(problem.C, list(np.flatnonzero(problem.fixed())))
     sides[rows] = 1
     for _ in range(20 * (len(problem.lower) + len(x) + 1)):
         target = problem.least_squares(rows, sides)
@@ -227,9 +230,7 @@ def in_strict_order(
         shifted = (np.minimum((lower - y)[kept], 0.0), np.maximum((upper - y)[kept], 0.0))
         zero = np.zeros(free.shape[1])
         problem = Bounded(A_free, b - A @ x, zero, C_free[kept], *shifted, damping=least_damping(A_free, size))
-        z = solve(problem, zero)
-        z = solve(replace(problem, x0=z), z)  # damped towards z instead of 0: what the damping cost is squared
-        x = x + free @ z
+        x = x + free @ _undamped(problem, zero)
         _, sigma, Vt = np.linalg.svd(A_free)
         free = free @ Vt[int(np.sum(sigma > tolerance * size)) :].T
         if not free.shape[1]:
@@ -237,8 +238,23 @@ def in_strict_order(
     return x
 
 
+def _undamped(problem: Bounded, start: Array) -> Array:
+    """What the damping only decides between equals for: damped again towards the last answer, until nothing is gained.
+
+    Source: Rockafellar, "Monotone operators and the proximal point algorithm", SIAM J. Control 14(5), 1976.
+    """
+    x = solve(problem, start)
+    for _ in range(_PASSES):
+        nearer = solve(replace(problem, x0=x), x)
+        gained = float(np.linalg.norm(problem.A @ (nearer - x)))
+        x = nearer
+        if gained <= _GAIN * (float(np.linalg.norm(problem.b)) + problem.damping * float(np.linalg.norm(x))):
+            break
+    return x
+
+
 def _point_inside(C: Array, lower: Array, upper: Array) -> Array | None:
-    """The smallest x with lower <= C x <= upper, or None: a program without small numbers, which DAQP can be trusted with."""
+    """The smallest x with lower <= C x <= upper, or None: a program without small numbers, which DAQP is trusted with."""
     d = C.shape[1]
     problem = Bounded(np.zeros((0, d)), np.zeros(0), np.zeros(d), C, lower, upper, 1.0)
     guess, flag = _daqp(problem)

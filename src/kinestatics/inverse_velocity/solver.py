@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -18,12 +18,14 @@ from ..spatial import ANGULAR_ROWS
 from ..tasks import find_task
 from .limits import per_joint, position_range
 from .problem import checked_positive
-from .quadratic import Bounded, solve, solver
+from .quadratic import Bounded, solve
+from .workspace import Arrays, open_workspace
 
 _INSIDE = 1e-9
 """Bounds are kept this much inside the limits, relative or in rad, so that the solver's own tolerance exceeds none."""
-_TOLERANCES = {"primal_tol": 1e-10}
+_TRIALS = 32
 _NO_LIMIT = 1e30
+_LEAST_DAMPING = 2e-5  # of the largest singular value: DAQP takes squares below 1e-11 for zero
 _LOOKS = 8
 """Beside a position limit, in how many steps it is asked once how far the next one is."""
 _INFINITE = float("inf")
@@ -45,8 +47,8 @@ class RateSolver:
         dt: period [s].
         acceleration: (n) or a number: the greatest |q̈| [rad/s² or m/s²]; None: any change of rate is allowed.
         margin: (n) or a number: distance kept from the position limits [rad or m].
-        damping: λ of |J q̇ - ξ|² + λ² |q̇|² [the unit of the rows]. The program is in the squares of J, so that λ below
-            1e-6 of the largest singular value has no digits left.
+        damping: λ of |J q̇ - ξ|² + λ² |q̇|² [the unit of the rows]. The program is in the squares of J, which leave no
+            digits for less than 2e-5 of the largest singular value; "qp" of joint_rates takes less.
         length: a twist's size is |(v, length · ω)| [m].
 
     Methods:
@@ -78,6 +80,8 @@ class RateSolver:
     _countdown: int
     _clearance: float
     _braking: bool
+    _tell: Callable[[], Any]
+    _solve: Callable[[], Any]
 
     def __init__(
         self,
@@ -100,8 +104,9 @@ class RateSolver:
         self._jacobian = chain.jacobian
         self.task = find_task(model, task, at=at, frame=frame)
         self._read_rows(checked_positive(length, "length", "the characteristic length in metres"))
+        self._check_damping()
         self._read_limits(margin, acceleration)
-        self._start_solver()
+        self._open()
         self.reset()
 
     def step(self, q: Any, twist: Any) -> Array:
@@ -124,13 +129,12 @@ class RateSolver:
             self._look_at_positions(q)
         if self._braking:
             self._look_at_accelerations()
-        if self._shared:
-            self._update(self._H)
-        else:
-            self._update(self._H, self._f, None, self._upper, self._lower)
+        self._tell()
         rates, _, flag, _ = self._solve()
-        if flag != 1:
+        if flag != 1 or not _largest(rates) <= self._greatest:  # type: ignore[operator]
             rates = self._again()
+        elif not self._exact:
+            rates = np.clip(rates, self._lower, self._upper)
         if self._braking:
             self._previous[:] = rates
         return rates
@@ -196,11 +200,20 @@ class RateSolver:
         self._rows, self._H, self._f = whole[: n + first], np.zeros((n, n)), np.zeros(n)
         self._square, self._project = self._rows.T.dot, self._target.dot  # H = rowsᵀ rows, f = target J
 
+    def _check_damping(self) -> None:
+        """Raises ConfigurationError (KS353) where λ² would be rounding beside J J in some posture."""
+        samples = self._sizes * np.asarray(self._jacobian(self.model.random_configurations(64, seed=1)))
+        least = _LEAST_DAMPING * float(np.linalg.norm(samples, 2, axis=(-2, -1)).max()) if self.model.n else 0.0
+        if self.damping < least:
+            hint = f"at least {least:.1g} for this arm; joint_rates(..., 'qp', damping=) takes less"
+            raise ConfigurationError("KS353", f"damping is {self.damping!r}, too small for a program in squares", hint)
+
     def _read_limits(self, margin: Any, acceleration: Any) -> None:
-        """Constants of `_find_bounds`: first the upper bounds of all joints, then the lower ones."""
+        """Constants of the bounds: first the upper ones of all joints, then the lower ones."""
         model, n, dt = self.model, self.model.n, self.dt
         lower, upper = position_range(model, np.asarray(margin, dtype=float) + _INSIDE)
         fastest = np.tile(np.minimum(model.velocity_limits * (1.0 - _INSIDE), _NO_LIMIT), 2)
+        self._greatest = float(model.velocity_limits.max(initial=0.0)) * (1.0 + 1e-6)
         self._seen_at, self._moved, self._ahead = np.zeros(n), np.zeros(n), np.zeros(2 * n)
         self._position = self._bounds = np.zeros(2 * n)
         self._clearance, self._countdown, self._braking = -1.0, 0, acceleration is not None
@@ -216,21 +229,25 @@ class RateSolver:
         self._ends = self._scale * np.concatenate([upper, -lower])
         self._upper, self._lower = self._bounds[:n], self._bounds[n:]
 
-    def _start_solver(self) -> None:
-        """A workspace of DAQP; whether it reads our arrays where they lie, so that bounds need not be handed over."""
-        n = self.model.n
-        workspace = solver().Model()
-        workspace.settings = _TOLERANCES
-        self._update, self._solve = workspace.update, workspace.solve
-        self._H[:], self._f[:] = np.eye(n), -1.0
-        self._upper[:], self._lower[:] = 2.0, -2.0
-        workspace.setup(self._H, self._f, np.zeros((0, n)), self._upper, self._lower, np.zeros(n, dtype=np.intc))
-        self._solve()
-        self._upper[:], self._f[0] = 0.5, -0.25
-        self._update(self._H)
-        expected = np.full(n, 0.5)
-        expected[0] = 0.25
-        self._shared = bool(np.all(np.abs(self._solve()[0] - expected) < 1e-9))
+    def _trials(self) -> list[Bounded]:
+        """Problems like those to come: this arm, every other time short of rank, with bounds that are met and others."""
+        n, rng = self.model.n, np.random.default_rng(1)
+        found = []
+        for k, drawn in enumerate(self.model.random_configurations(_TRIALS, seed=2)):
+            J = self._sizes * self._jacobian(drawn)
+            if k % 2:
+                U, sigma, Vt = np.linalg.svd(J, full_matrices=False)
+                J = (U[:, : k % 4] * sigma[: k % 4]) @ Vt[: k % 4]
+            reach = rng.uniform(0.1, 1.0, n)
+            twist = J @ (reach * rng.normal(size=n)) * rng.choice([0.3, 3.0])
+            found.append(Bounded(J, twist, np.zeros(n), np.eye(n), -reach, reach, self.damping))
+        return found
+
+    def _open(self) -> None:
+        """A workspace of DAQP on the arrays of this solver."""
+        self._arrays = Arrays(self._H, self._f, self._upper, self._lower)
+        workspace = open_workspace(self._arrays, self._trials())
+        self._tell, self._solve, self._exact, self._way = workspace.tell, workspace.solve, workspace.exact, workspace.way
         self._clearance, self._countdown = -1.0, 0  # the bounds were overwritten
 
     def _again(self) -> Array:
@@ -241,7 +258,8 @@ class RateSolver:
         lower, upper = self._lower.copy(), np.maximum(self._upper, self._lower)
         program = Bounded(J, -self._target, np.zeros(n), np.eye(n), lower, upper, self.damping)
         found = solve(program, np.clip(np.zeros(n), lower, upper))
-        self._start_solver()
+        if self._way is not None and (fresh := self._way(self._arrays)) is not None:
+            self._tell, self._solve = fresh.tell, fresh.solve
         return np.clip(found, lower, upper)
 
     def _read_twist(self, twist: Any) -> Array:
@@ -290,10 +308,11 @@ def _chain(model: RobotModel, at: str, point: tuple[float, float, float], frame:
     if model.is_symbolic:
         raise ArrayTypeError("KS302", f"robot {model.name!r} has symbolic lengths", "put numbers in place of the symbols")
     link, base = model.link(at), model.link(BASE)
-    named = named_frame(model, (frame or Frame(BASE, at))._replace(offset=point))
+    wanted = frame or Frame(BASE, at)
+    named = named_frame(model, wanted._replace(offset=point) if any(point) else wanted)
     axes, origin = model.link(named.axes), model.link(named.origin)
     if axes not in (base, link) or origin != link:
         hint = "twists at the link itself; other frames: the Jacobian's change_frame and joint_rates"
         message = f"a RateSolver writes in axes of base or of {at!r}, at its point, not in {named}"
         raise FrameMismatchError("KS331", message, hint)
-    return Chain(*chain_arguments(model, link, axes_of_target=axes == link != base, offset=point)), named
+    return Chain(*chain_arguments(model, link, axes_of_target=axes == link != base, offset=named.offset)), named

@@ -7,7 +7,7 @@ from itertools import combinations, product
 
 import numpy as np
 
-from ..manipulability import Polytope
+from ..dexterity import Polytope
 from ..namespaces import Array
 
 _AROUND = 96  # points of a closed curve

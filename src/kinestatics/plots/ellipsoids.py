@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..dexterity import Ellipsoid, force_ellipsoid as force, velocity_ellipsoid as velocity
 from ..frames import TIP
 from ..kinematics import jacobian
-from ..manipulability import Ellipsoid, force_ellipsoid as force, velocity_ellipsoid as velocity
 from ..model import RobotModel
 from ..namespaces import Array
 from ..spatial import LINEAR

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .._kernels import STANDARD_GRAVITY
+from ..dexterity import Polytope, force_polytope as force, velocity_polytope as velocity
 from ..frames import TIP
-from ..manipulability import Polytope, force_polytope as force, velocity_polytope as velocity
 from ..model import RobotModel
 from .bodies import polytope_body
 from .canvas import Canvas, Flat

@@ -146,7 +146,7 @@ def _one_jacobian(
 
 
 def numeric_jacobian(
-    model: RobotModel, q: Any, at: str, point: Sequence[float] | None, frame: Frame | None
+    model: RobotModel, q: Any, at: str, point: Sequence[float] | None, frame: Frame | None, check_finite: bool = True
 ) -> tuple[Jacobian, Array]:
     """The Jacobian at numbers of any library, and its NumPy array (..., 6, n) without rounding.
 
@@ -154,7 +154,7 @@ def numeric_jacobian(
         ArrayTypeError: KS302 for symbols. Others as in `jacobian`.
     """
     require_model(model)
-    array, xp = configuration(model, q)
+    array, xp = configuration(model, q, check_finite)
     if xp.name == "sympy":
         raise ArrayTypeError("KS302", "limits are compared with numbers; q holds symbols", "put numbers in place of them")
     values = numeric(array).astype(np.float64)

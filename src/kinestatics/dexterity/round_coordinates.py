@@ -35,7 +35,7 @@ def round_coordinates(matrix: Array, weights: Array, rank: int | None = None) ->
         U, sigma, Vt = np.linalg.svd(matrix * weights[:, None], full_matrices=True)
     beside = U[:, rank:].T * weights
     return RoundCoordinates(
-        columns=Vt[:rank].T,
+        columns=Vt[:rank].T * np.any(matrix != 0, axis=0)[:, None],  # a column of zeros is not even rounding
         points=(U[:, :rank] * sigma[:rank]).T / weights,
         normals=(U[:, :rank] / sigma[:rank]).T * weights,
         beside=beside / np.linalg.norm(beside, axis=1, keepdims=True),

@@ -1,4 +1,4 @@
-"""Manipulability: measures, ellipsoids and polytopes; functions of a Jacobian and limits only. Floor 8."""
+"""Dexterity: measures, ellipsoids and polytopes; functions of a Jacobian and limits only. Floor 8."""
 
 from .directions import speed_capacity
 from .ellipsoids import Ellipsoid, force_ellipsoid, velocity_ellipsoid

@@ -19,6 +19,7 @@ from ..tasks import task_of
 from .limits import Limits, joint_limits
 from .linear_programs import maximize
 from .polytopes import numeric_jacobian, unit_weights
+from .round_coordinates import rank_of
 from .rows import TaskName
 from .speed_result import SpeedCapacity
 
@@ -37,6 +38,7 @@ def speed_capacity(
     point: Sequence[float] | None = None,
     frame: Frame | None = None,
     velocity_limits: Limits = None,
+    check_finite: bool = True,
 ) -> SpeedCapacity:
     """The greatest speed of a link straight along a direction, while no joint passes its velocity limit.
 
@@ -51,6 +53,7 @@ def speed_capacity(
         at, point, frame: as in `jacobian`.
         velocity_limits: (n) instead of the robot's own, the same both ways; or (lower, upper), (n) each, with zero between;
             or {joint: limit} for some of the joints [rad/s, m/s for a sliding joint].
+        check_finite: refuse NaN and infinite entries of q; they give NaN else.
 
     Returns:
         SpeedCapacity: value (...) [m/s, or times the twist], rates (..., n) that reach it, and the joints whose limits stop
@@ -72,7 +75,7 @@ def speed_capacity(
         >>> round(ks.speed_capacity(arm, q, (0, 0, 1), hold="nothing").value, 3)
         2.672
     """
-    J, array = numeric_jacobian(model, q, at, point, frame)
+    J, array = numeric_jacobian(model, q, at, point, frame, check_finite)
     twist, shown, unit = _twist(direction)
     check_batches("q", array.shape[:-2], "direction", twist.shape[:-1])
     own = _followed(J, task, _turns(hold) and unit == "m/s")
@@ -170,6 +173,9 @@ def _solved(J: Array, wanted: Array, own: set[int], bounds: tuple[Array, Array],
     matrices = np.broadcast_to(J, (*batch, 6, n)).reshape(-1, 6, n)
     found = []
     for A, d in zip(matrices, np.broadcast_to(wanted, (*batch, 6)).reshape(-1, 6), strict=True):
+        if not np.all(np.isfinite(A)):
+            found.append(_Fastest(np.nan, np.full(n, np.nan), np.zeros(n, dtype=np.int8), False))
+            continue
         rows = sorted(own | _needed(d[None]))
         found.append(_fastest(A[rows], d[rows], bounds, weights[rows]))
     return _Fastest(
@@ -181,22 +187,28 @@ def _solved(J: Array, wanted: Array, own: set[int], bounds: tuple[Array, Array],
 
 
 def _fastest(rows: Array, wanted: Array, bounds: tuple[Array, Array], weights: Array) -> _Fastest:
-    """max s with rows · q̇ = s wanted, by a linear program in s and the motions that move no row, all of unit size."""
-    n = rows.shape[1]
+    """max s with rows · q̇ = s wanted, the rates as shares of the joints' larger limits; locked joints left out."""
     scale = np.maximum(-bounds[0], bounds[1])
-    U, sigma, Vt = np.linalg.svd(rows * weights[:, None] * scale, full_matrices=True)
-    rank = int((sigma > RANK_TOLERANCE * sigma.max(initial=0.0)).sum())
-    within = U[:, :rank].T @ (weights * wanted)
-    beside = np.linalg.norm(weights * wanted - U[:, :rank] @ within)
-    if beside > _BESIDE * np.linalg.norm(weights * wanted):
+    moving = scale > 0
+    limits = [bound[moving] / scale[moving] for bound in bounds]
+    best = _largest_share(rows[:, moving] * weights[:, None] * scale[moving], weights * wanted, limits[0], limits[1])
+    rates, limiting = np.zeros(len(scale)), np.zeros(len(scale), dtype=np.int8)
+    rates[moving], limiting[moving] = scale[moving] * best.rates, best.limiting
+    return best._replace(rates=rates, limiting=limiting)
+
+
+def _largest_share(rows: Array, wanted: Array, lower: Array, upper: Array) -> _Fastest:
+    """max s with rows · u = s wanted and lower <= u <= upper: a linear program in s and the motions that move no row."""
+    n = rows.shape[1]
+    U, sigma, Vt = np.linalg.svd(rows, full_matrices=True)
+    rank = rank_of(sigma)
+    within = U[:, :rank].T @ wanted
+    if np.linalg.norm(wanted - U[:, :rank] @ within) > _BESIDE * np.linalg.norm(wanted):
         return _Fastest(0.0, np.zeros(n), np.zeros(n, dtype=np.int8), True)
     rates = Vt[:rank].T @ (within / sigma[:rank])
     size = np.linalg.norm(rates)
     basis = np.column_stack([rates / size, Vt[rank:].T])
-    moving = scale > 0  # a locked joint has no column, and needs no motion
-    shares = [np.divide(bound, scale, out=np.zeros(n), where=moving) for bound in (bounds[1], -bounds[0])]
-    both = np.vstack([basis[moving], -basis[moving]])
-    best = maximize(np.eye(basis.shape[1])[0], both, np.r_[shares[0][moving], shares[1][moving]], np.zeros(basis.shape[1]))
-    limiting = np.zeros((2, n), dtype=np.int8)
-    limiting[:, moving] = (best.multipliers > _BINDING * best.multipliers.max()).reshape(2, -1)
-    return _Fastest(best.value / size, scale * (basis @ best.point), limiting[0] - limiting[1], False)
+    goal = np.eye(basis.shape[1])[0]
+    best = maximize(goal, np.vstack([basis, -basis]), np.r_[upper, -lower], np.zeros(len(goal)))
+    binding = (best.multipliers > _BINDING * best.multipliers.max()).reshape(2, n)
+    return _Fastest(best.value / size, basis @ best.point, binding[0].astype(np.int8) - binding[1], False)
