@@ -629,3 +629,24 @@ def test_a_missing_solver_names_the_extra(monkeypatch):
     for call in calls:
         with pytest.raises(ks.MissingExtraError, match=re.compile(r"KS400.*kinestatics\[qp\]", re.DOTALL)):
             call()
+
+
+def test_what_belongs_to_another_robot_or_is_no_twist_is_refused():
+    """Limits and tasks of another robot, a Wrench for a Twist, joints and sides that do not exist: refused with a code."""
+    one, other = ks.load("ur5e"), ks.load("irb_140")
+    q = one.random_configurations(1, seed=3)[0]
+    J, K = ks.jacobian(one, q), ks.jacobian(other, other.home)
+    limits, twist = ks.RateLimits.of(one, q), [0.1, 0, 0, 0, 0, 0]
+    assert limits.why("elbow_joint", "lower") == limits.why(2, "lower") == "velocity"
+    for call, code in (
+        (lambda: ks.joint_rates(K, twist, limits=limits), "KS303"),
+        (lambda: ks.prioritized_rates([(J, twist), (K, twist)]), "KS303"),
+        (lambda: ks.RateSolver(one, dt=0.01).step(q, ks.Wrench.on_robot(force=(0, 0, -10))), "KS302"),
+        (lambda: limits.why("elbow", "lower"), "KS313"),
+        (lambda: limits.why(9, "upper"), "KS303"),
+        (lambda: limits.why(0, "up"), "KS303"),
+        (lambda: limits.contains([1.0, 2.0]), "KS303"),
+    ):
+        with pytest.raises(ks.KinestaticsError, match=code):
+            call()
+    assert np.all(np.isfinite(ks.joint_rates(J, twist, limits=limits).array))

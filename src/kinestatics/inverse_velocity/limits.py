@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import ArrayTypeError, ConfigurationError
+from ..errors import ArrayTypeError, ConfigurationError, UnknownNameError, nearest
 from ..kinematics import configuration, require_model
 from ..model import RobotModel
 from ..namespaces import Array, as_array
@@ -161,8 +161,24 @@ class RateLimits:
         outside = np.broadcast_to(position[2], lower.shape)
         return cls(lower, upper, model.joint_names, sources[0], sources[1], outside, gives_way)
 
-    def why(self, joint: int, side: str) -> str:
-        """Where the "lower" or "upper" bound of a joint comes from: "velocity", "position", "acceleration", "no limit"."""
+    @property
+    def of_robot(self) -> bool:
+        """Whether the joints have names of their own, and not q1, q2, ..."""
+        return self.joint_names != tuple(f"q{k + 1}" for k in range(self.lower.shape[-1]))
+
+    def why(self, joint: int | str, side: str) -> str:
+        """Where the "lower" or "upper" bound of a joint comes from: "velocity", "position", "acceleration", "no limit".
+
+        Args:
+            joint: its name, or its place from 0; side: "lower" or "upper".
+        """
+        if isinstance(joint, str):
+            if joint not in self.joint_names:
+                raise UnknownNameError("KS313", f"there is no joint {joint!r}", nearest(joint, self.joint_names))
+            joint = self.joint_names.index(joint)
+        if side not in ("lower", "upper") or not 0 <= joint < len(self.joint_names):
+            message = f"there is no {side!r} bound of joint {joint}"
+            raise ConfigurationError("KS303", message, f"'lower' or 'upper'; joints 0 to {len(self.joint_names) - 1}")
         source = self.lower_from if side == "lower" else self.upper_from
         if source.ndim != 1:
             raise ConfigurationError("KS303", f"a batch of bounds of shape {source.shape}", "SOURCES by upper_from[i]")
@@ -171,6 +187,9 @@ class RateLimits:
     def contains(self, rates: Any, slack: float = 0.0) -> Array:
         """(...) whether rates (..., n) are inside, but for `slack` [rad/s or m/s]."""
         array = np.asarray(rates)
+        if array.shape[-1:] != self.lower.shape[-1:]:
+            n = self.lower.shape[-1]
+            raise ConfigurationError("KS303", f"rates have shape {array.shape}; expected (..., {n})", "one for each joint")
         return np.all((array >= self.lower - slack) & (array <= self.upper + slack), axis=-1)
 
     def to_dict(self) -> dict[str, Any]:

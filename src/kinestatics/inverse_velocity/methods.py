@@ -8,7 +8,7 @@ import numpy as np
 
 from ..errors import ArrayTypeError, ConfigurationError, UnknownNameError, nearest
 from ..namespaces import Array
-from ..quantities import check_batches
+from ..quantities import Jacobian, check_batches
 from ..spatial import rotate
 from ..statics import RANK_TOLERANCE
 from .factored import qr_rates, symbolic_rates
@@ -122,7 +122,7 @@ def joint_rates(
         rates = _at_symbols(problem, method, secondary, limits)
         return JointRates(rates, *asked, scale=np.ones(problem.batch))
     b = None if secondary is None else read_rates(secondary, "secondary", problem)
-    bounds = None if limits is None else read_limits(limits, problem, problem.batch)
+    bounds = None if limits is None else read_limits(limits, problem, problem.batch, J)
     if method == "qp":
         return _by_program(b, bounds, damping, keep_direction, asked)
     motion = None if b is None else metric.enter(b, problem.xp)
@@ -218,8 +218,8 @@ def _by_program(
     return JointRates(rates, *asked, damping=weight, limits=limits, scale=scale, keeps_direction=kept)
 
 
-def read_limits(limits: Any, problem: Problem, batch: tuple[int, ...]) -> RateLimits:
-    """RateLimits as they are, or from a pair (lower, upper)."""
+def read_limits(limits: Any, problem: Problem, batch: tuple[int, ...], J: Any) -> RateLimits:
+    """RateLimits as they are, or from a pair (lower, upper); those of a robot go with its own Jacobian."""
     if problem.xp.name != "numpy":
         raise ArrayTypeError("KS302", f"limits are kept on NumPy, not on {problem.xp.name}", "convert the Jacobian first")
     if not isinstance(limits, RateLimits):
@@ -230,6 +230,9 @@ def read_limits(limits: Any, problem: Problem, batch: tuple[int, ...]) -> RateLi
     if limits.lower.shape[-1] != problem.n:
         hint = "one for each joint"
         raise ConfigurationError("KS303", f"the limits are for {limits.lower.shape[-1]} joints, not {problem.n}", hint)
+    if isinstance(J, Jacobian) and limits.of_robot and limits.joint_names != J.joint_names:
+        message = f"the limits are for joints {', '.join(limits.joint_names)}, the Jacobian for {', '.join(J.joint_names)}"
+        raise ConfigurationError("KS303", message, "RateLimits.of the robot of the Jacobian")
     check_batches("the problem", batch, "the limits", limits.lower.shape[:-1])
     return limits
 

@@ -164,6 +164,7 @@ def prioritized_rates(
     given = _read_tasks(tasks)
     problems = tuple(read_problem(J, twist, length) for J, twist in given)
     _check_together(problems)
+    _check_one_robot(given)
     small = max(p.tolerance(checked_positive(tolerance, "tolerance", "such as 1e-10")) for p in problems)
     if damping != 0.0:
         checked_positive(damping, "damping", "or 0, in the unit of the rows")
@@ -175,7 +176,7 @@ def prioritized_rates(
         return PrioritizedRates(_recursive(problems, batch, damping, small), given, small, length, damping, None, problems)
     if damping != 0.0:
         raise ConfigurationError("KS351", "damping together with limits", "the limits already bound the rates: damping=0")
-    bounds = read_limits(limits, problems[0], batch)
+    bounds = read_limits(limits, problems[0], batch, given[0][0])
     rates = _inside(problems, batch, bounds, small)
     return PrioritizedRates(rates, given, small, length, damping, bounds, problems)
 
@@ -243,6 +244,15 @@ def _read_tasks(tasks: Any) -> tuple[tuple[Any, Any], ...]:
     if not given:
         raise ConfigurationError("KS303", "there are no tasks", "[(J, twist), ...]")
     return given
+
+
+def _check_one_robot(given: Sequence[tuple[Any, Any]]) -> None:
+    """Raises ConfigurationError (KS303) where two Jacobians have joints of other names."""
+    jacobians = [(k, J) for k, (J, _) in enumerate(given) if isinstance(J, Jacobian)]
+    for k, J in jacobians[1:]:
+        if J.joint_names != jacobians[0][1].joint_names:
+            message = f"task {k + 1} has other joints than task {jacobians[0][0] + 1}: {', '.join(J.joint_names)}"
+            raise ConfigurationError("KS303", message, "Jacobians of one robot")
 
 
 def _check_together(problems: Sequence[Problem]) -> None:

@@ -13,7 +13,7 @@ from ..frames import BASE, TIP, Frame
 from ..kinematics import checked_point, named_frame, require_model
 from ..model import RobotModel
 from ..namespaces import Array
-from ..quantities import SixVector
+from ..quantities import Acceleration, SixVector, Twist
 from ..spatial import ANGULAR_ROWS
 from ..tasks import find_task
 from .limits import per_joint, position_range
@@ -263,6 +263,9 @@ class RateSolver:
         return np.clip(found, lower, upper)
 
     def _read_twist(self, twist: Any) -> Array:
+        if isinstance(twist, SixVector) and (not isinstance(twist, Twist) or isinstance(twist, Acceleration)):
+            message = f"step takes a twist, not {'an' if isinstance(twist, Acceleration) else 'a'} {type(twist).__name__}"
+            raise ArrayTypeError("KS302", message, "ks.Twist.of(linear=..., angular=...), or 6 numbers")
         if isinstance(twist, SixVector):
             written = named_frame(self.model, twist.frame)
             if written != self.frame:
