@@ -9,7 +9,7 @@ from hypothesis import example, given, strategies as st
 import kinestatics as ks
 from kinestatics.namespaces import as_array
 from kinestatics.spatial import change_twist_frame
-from strategies import assert_close, features
+from strategies import Features, assert_close, features
 
 optimize = pytest.importorskip("scipy.optimize", reason="a judge of the dev extra")
 cvxopt = pytest.importorskip("cvxopt", reason="a judge of the dev extra")
@@ -369,6 +369,8 @@ def test_slowing_down_keeps_direction_and_limits(seed, around_zero, with_seconda
 
 
 @given(features(max_joints=7), st.sampled_from(["pseudoinverse", "damped", "adaptive", "weighted", "qr", "qp", "direction"]))
+@example(Features(seed=918769, joints=7, right_angles=True), "direction")  # bounds that follow from one another
+@example(Features(seed=918767, joints=7, right_angles=True), "direction")
 def test_limits_are_never_exceeded(f, method):
     """Whatever the mechanism, method, singularity and twist: not by one bit."""
     model = f.model()

@@ -21,6 +21,7 @@ _INFINITE = 1e30  # what DAQP takes for "no bound"
 _EQUALITY, _LOWER_BIT, _ACTIVE = 5, 2, 1
 _FEASIBLE = 1e-13  # relative to the bounds and C x
 _PROPER = 1e-12  # relative size below which a multiplier is zero
+_FOLLOWS = 1e-9  # of its length: a row this near to combinations of others is one of them
 _PASSES, _GAIN = 60, 1e-12
 _GUESS = 1e-5  # least damping DAQP is asked with, relative to the largest singular value
 
@@ -159,7 +160,7 @@ def _independent(C: Array, rows: Sequence[Any]) -> list[int]:
         for _ in range(2):
             rest = rest - (basis @ rest) @ basis
         size = float(np.linalg.norm(rest))
-        if size > 1e-9 * float(np.linalg.norm(C[row])):
+        if size > _FOLLOWS * float(np.linalg.norm(C[row])):
             found.append(int(row))
             basis = np.vstack([basis, rest / size])
     return found
@@ -194,6 +195,10 @@ def _first_met(problem: Bounded, x: Array, step: Array, rows: list[int]) -> tupl
     rest = np.where(slope > 0, problem.upper - y, y - problem.lower)
     ahead = np.abs(slope) > 1e-13 * (np.abs(problem.C) @ np.abs(step))
     ahead[rows] = False
+    if rows:  # a bound that follows from those that are met is not met on the way; its slope is rounding
+        Q = np.linalg.qr(problem.C[rows].T)[0]
+        beside = np.linalg.norm(problem.C - (problem.C @ Q) @ Q.T, axis=1)
+        ahead &= beside > _FOLLOWS * np.linalg.norm(problem.C, axis=1)
     shares = np.where(ahead, np.maximum(rest, 0.0) / np.where(ahead, np.abs(slope), 1.0), np.inf)
     if not len(shares) or float(shares.min()) >= 1.0:
         return None, 1.0
