@@ -72,9 +72,9 @@ def test_a_lost_direction_makes_a_segment():
     assert p.is_bounded
     assert same_points(p.vertices, [(0, 3), (0, -3)])
     assert (p.dimension, p.volume, p.extent([1, 0]), p.faces) == (1, 0.0, 0.0, ((0, 1),))
-    assert p.limiting_facet([1, 0]) == ("no joint moves that way",)
+    assert p.limiting_facet([1, 0]) == ("within the limits no joint moves that way",)
     assert p.limiting_facet([0, 1]) == ("joint1 at its upper limit", "joint2 at its upper limit")
-    assert "flat: no joint moves it along (1, 0)" in p.notes
+    assert "flat: within the limits no joint moves it along (1, 0)" in p.notes
     assert list(p.contains([(0, 2.9), (0, 3.1), (0.1, 0)])) == [True, False, False]
 
 
@@ -85,7 +85,7 @@ def test_a_flat_polygon_in_space():
     assert plane.rows == ("vx", "vy")  # vx, vy, wz mix units: the linear ones
     assert len(p.faces) == 1
     assert len(p.faces[0]) == len(p.vertices) == len(plane.vertices) == 6
-    assert p.limiting.count(("no joint moves that way",)) == 2
+    assert p.limiting.count(("within the limits no joint moves that way",)) == 2
     assert p.volume == 0.0
     assert_close(p.support([[1, 2, 0], [0, 0, 1]]), [plane.support([1, 2]), 0.0], 1e-12)
 
@@ -308,7 +308,7 @@ def test_real_arms_with_the_limits_of_their_makers(name, task):
         f = ks.force_polytope(arm, q, task=task, gravity=None)
         assert v.is_bounded
         assert f.is_bounded
-        assert all(words != ("no joint moves that way",) for words in (*v.limiting, *f.limiting))
+        assert all(words != ("within the limits no joint moves that way",) for words in (*v.limiting, *f.limiting))
         if task == "full":
             assert len(v.offsets) == {"ur5e": 12, "panda": 42, "iiwa_14": 32}[name]  # at most 2 C(n, 5)
             continue
@@ -503,7 +503,7 @@ def test_joints_beyond_the_link_do_not_count():
     p = ks.velocity_polytope(arm, UR5E_Q, at="forearm_link", velocity_limits={f"wrist_{i}_joint": np.inf for i in (1, 2, 3)})
     assert {word for words in p.limiting for word in words} <= {
         f"{name} at its {side} limit" for name in arm.joint_names[:3] for side in ("upper", "lower")
-    } | {"no joint moves that way"}
+    } | {"within the limits no joint moves that way"}
     leg = ks.force_polytope(LEG, [0.7854, QUARTER], gravity=None, effort_limits=(np.inf, 250))
     assert not leg.is_bounded
     assert len(leg.free) == 1

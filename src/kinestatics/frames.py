@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 BASE, TIP = "base", "tip"
 
@@ -40,6 +40,10 @@ class Frame(NamedTuple):
     def spatial(cls) -> Frame:
         """Axes and origin of the base."""
         return cls(BASE, BASE)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Axes, origin and offset, for JSON."""
+        return {"axes": self.axes, "origin": self.origin, "offset": list(self.offset)}
 
     def __repr__(self) -> str:
         point = f", offset={self.offset}" if any(self.offset) else ""

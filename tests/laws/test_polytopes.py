@@ -120,15 +120,6 @@ def hull_volume(p):
     return total * np.prod(sigma)
 
 
-def meet_in_a_point(normals, dimension):
-    """Whether planes with these unit normals meet in a point; or two are one but for rounding, a facet like a hair."""
-    rank = np.linalg.matrix_rank(normals, tol=1e-11)
-    gaps = np.minimum(
-        np.linalg.norm(normals[:, None] - normals, axis=-1), np.linalg.norm(normals[:, None] + normals, axis=-1)
-    )
-    return rank == dimension or (len(normals) >= dimension and gaps[np.triu_indices(len(normals), 1)].min() < 1e-9)
-
-
 @given(features(max_joints=7), TASKS)
 @example(Features(seed=1173, joints=5, mimic=True, right_angles=True, other_base=True), "vx,wy")  # 1e-10 as thin as long
 def test_corners_are_extreme_and_can_be_had(f, task):
@@ -153,7 +144,7 @@ def test_corners_are_extreme_and_can_be_had(f, task):
             faces = np.any(p.states != 0, axis=1)  # not the planes of a flat set
             round_normals = round_normals[faces] / lengths[faces, None]
             on = p.offsets - heights <= 1e-8 * np.ptp(heights, axis=0) + 1e-14 * size
-            assert all(meet_in_a_point(round_normals[row], p.dimension) for row in on[:, faces])
+            assert all(np.linalg.matrix_rank(round_normals[row], tol=1e-11) == p.dimension for row in on[:, faces])
     if forces.corners is not None:
         torques = forces.corners @ J
         rounding = 1e-9 + 1e-14 * np.abs(forces.corners).max()  # of forces that are very large near a singularity

@@ -1,7 +1,8 @@
 """Dexterity: measures, ellipsoids and polytopes; functions of a Jacobian and limits only. Floor 8."""
 
 from .directions import speed_capacity
-from .ellipsoids import Ellipsoid, force_ellipsoid, velocity_ellipsoid
+from .ellipsoid import Ellipsoid
+from .ellipsoids import force_ellipsoid, velocity_ellipsoid
 from .gradients import manipulability_gradient
 from .measures import (
     asada,

@@ -15,8 +15,8 @@ from ..namespaces import Array, as_array
 from ..quantities import Frozen, Jacobian, check_batches, numeric
 from ..spatial import ANGULAR_ROWS, LINEAR, ROW_NAMES
 from ..statics import RANK_TOLERANCE
+from ..statics.limits import Limits, joint_limits
 from ..tasks import task_of
-from .limits import Limits, joint_limits
 from .linear_programs import maximize
 from .polytopes import numeric_jacobian, unit_weights
 from .round_coordinates import rank_of

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..errors import ConfigurationError
-from ..frames import Frame
 from ..namespaces import Array
 from ..quantities import format_number, table, wrapped
 
 if TYPE_CHECKING:
-    from .ellipsoids import Ellipsoid
+    from .ellipsoid import Ellipsoid
 
 
 def circle(count: int) -> Array:
@@ -37,11 +36,6 @@ def _angles(count: int) -> Array:
     angle = np.linspace(0.0, 2 * np.pi, count)
     angle[-1] = 0.0
     return angle
-
-
-def frame_dict(frame: Frame | None) -> dict[str, Any] | None:
-    """Axes, origin and offset of a frame."""
-    return None if frame is None else {"axes": frame.axes, "origin": frame.origin, "offset": list(frame.offset)}
 
 
 def in_words(e: Ellipsoid) -> str:

@@ -12,7 +12,6 @@ from ..errors import ArrayTypeError, ConfigurationError
 from ..frames import Frame
 from ..namespaces import Array, as_array
 from ..quantities import Frozen, plain
-from .ellipsoid_views import frame_dict
 from .linear_programs import maximize
 from .polytope_text import in_words
 from .round_coordinates import round_coordinates
@@ -102,7 +101,7 @@ class Polytope:
     def _words(self, facet: int) -> tuple[str, ...]:
         state = self.states[facet]
         found = [f"{self.joints[i]} at its {'upper' if state[i] > 0 else 'lower'} limit" for i in np.flatnonzero(state)]
-        return tuple(found) or ("no joint moves that way",)
+        return tuple(found) or ("within the limits no joint moves that way",)
 
     @cached_property
     def size(self) -> float:
@@ -278,7 +277,7 @@ class Polytope:
             "link": self.link or None,
             "rows": list(self.rows),
             "unit": self.unit,
-            "frame": frame_dict(self.frame),
+            "frame": None if self.frame is None else self.frame.to_dict(),
             "empty": self.is_empty,
             "flat": self.is_flat,
             "bounded": self.is_bounded,

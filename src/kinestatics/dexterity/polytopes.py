@@ -19,8 +19,8 @@ from ..namespaces import Array, as_array
 from ..quantities import Jacobian, numeric
 from ..spatial import ANGULAR_ROWS, LINEAR_ROWS, ROW_NAMES, WRENCH_NAMES
 from ..statics import gravity_torques, missing_masses
+from ..statics.limits import Limits, joint_limits
 from ..tasks import characteristic_length, task_of, without_rounding
-from .limits import Limits, joint_limits
 from .polytope import Polytope
 from .rows import TaskName, row_weights
 from .shapes import image_of_box, let_through

@@ -46,7 +46,7 @@ def image_of_box(J: Array, lower: Array, upper: Array, weights: Array, **labels:
     small = np.abs(planes) <= RANK_TOLERANCE * np.linalg.norm(generators, axis=1).sum()
     states = np.vstack([shape.sides, np.zeros((2 * len(lost), J.shape[1]))]).astype(np.int8)
     drawn = k <= _DRAWN and shape.corners is not None
-    notes = [f"flat: no joint moves it along {_arrow(line)}" for line in lost]
+    notes = [f"flat: within the limits no joint moves it along {_arrow(line)}" for line in lost]
     return Polytope(
         normals=normals,
         offsets=np.r_[_supports(generators, center, normals[: len(shape.normals)]), np.where(small, 0.0, planes)],

@@ -10,7 +10,6 @@ import numpy as np
 from ..frames import Frame
 from ..namespaces import Array
 from ..quantities import format_number, plain, table, wrapped
-from .ellipsoid_views import frame_dict
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -26,7 +25,7 @@ class SpeedCapacity:
         lower, upper: (n) the velocity limits.
         rows: names of the rows that follow the direction (of a batch, of any: each follows those in play and its own);
             held: those of rotation that stay zero; all others are free.
-        is_lost: (...) whether no motion of the joints goes that way.
+        is_lost: (...) whether no motion of the joints within their limits goes that way.
         tolerance: singular values below this share of the largest count as zero.
 
     Example:
@@ -79,7 +78,7 @@ class SpeedCapacity:
             "rows": list(self.rows),
             "held": list(self.held),
             "lost": np.asarray(self.is_lost).tolist(),
-            "frame": frame_dict(self.frame),
+            "frame": self.frame.to_dict(),
             "tolerance": self.tolerance,
         }
 
@@ -98,9 +97,11 @@ class SpeedCapacity:
         return "\n".join([wrapped("", f"{head} along ({along}): {self._verdict()}"), where, *self._table()])
 
     def _verdict(self) -> str:
+        if np.isnan(self.value):
+            return "unknown, as q is"
         if self.is_lost:
             without = " without turning it" if self.held else ""
-            return f"0; no motion of the joints moves it that way{without}"
+            return f"0; within the limits no motion of the joints moves it that way{without}"
         names = ", ".join(repr(name) for name in self.limiting_joints)
         return f"{format_number(self.value)} {self.unit}, limited by joint{'s' * (len(self.limiting_joints) > 1)} {names}"
 

@@ -27,7 +27,7 @@ from ..errors import ArrayTypeError, ConfigurationError, UnknownNameError, neare
 from ..kinematics import configuration, require_model
 from ..model import RobotModel
 from ..namespaces import Array, as_array
-from ..quantities import format_number, table
+from ..quantities import format_number, plain, table
 from .problem import checked_positive
 
 _ROUNDING = 1e-7  # of rates: one digit of q is worth that much in √(2 a D) close to a limit
@@ -194,10 +194,10 @@ class RateLimits:
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data for JSON; an infinite bound is None."""
-        plain = {name: plain_numbers(getattr(self, name)) for name in ("lower", "upper")}
+        bounds = {name: plain(getattr(self, name)) for name in ("lower", "upper")}
         sources = {name: np.array(SOURCES)[getattr(self, name)].tolist() for name in ("lower_from", "upper_from")}
         flags = {name: getattr(self, name).tolist() for name in ("outside", "gives_way")}
-        return {"joint_names": list(self.joint_names), **plain, **sources, **flags}
+        return {"joint_names": list(self.joint_names), **bounds, **sources, **flags}
 
     def __str__(self) -> str:
         if self.lower.ndim > 1:
@@ -280,9 +280,3 @@ def _bound(value: Any, name: str) -> Array:
 
 def _own(value: Array, default: Array) -> Array:
     return np.array(default if value is None else value)
-
-
-def plain_numbers(array: Array) -> Any:
-    """Nested lists with None for what is not finite."""
-    plain: Array = np.where(np.isfinite(array), array.astype(object), None)
-    return plain.tolist()

@@ -10,11 +10,11 @@ import numpy as np
 
 from ..errors import ArrayTypeError, ConfigurationError
 from ..namespaces import Array
-from ..quantities import Jacobian, Twist, format_number, numeric
+from ..quantities import Jacobian, Twist, format_number, numeric, plain
 from ..screws_in_words import describe_lost_twist
 from ..spatial import rotate
 from ..statics import decompose
-from .limits import RateLimits, plain_numbers
+from .limits import RateLimits
 from .metric import Metric
 from .problem import Problem, read_rates
 from .spectral import Spectrum, inverse_gain, spectrum
@@ -222,7 +222,7 @@ class JointRates:
             "reason": self.reason,
             "achieved": np.asarray(self.achieved).tolist(),
             "residual": np.asarray(self.residual).tolist(),
-            "condition": plain_numbers(self.condition),
+            "condition": plain(self.condition),
             "damping": None if self.damping is None else np.asarray(numeric(self.damping)).tolist(),
             "scale": np.asarray(self.scale).tolist(),
             "keeps_direction": np.asarray(self.keeps_direction).tolist(),

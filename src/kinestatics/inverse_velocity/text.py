@@ -39,6 +39,8 @@ def described(found: JointRates) -> str:
     if symbolic:
         return "\n".join(lines)
     lines.append(wrapped("", found.reason, hang=2))
+    if not found.reachable and np.all(found.problem.asked):
+        lines.append(wrapped("hint: ", "a component given as NaN is free, and left out"))
     lines.append(wrapped("achieved: ", _components(found.achieved, np.ones(len(found.problem.sizes), dtype=bool))))
     residual = np.asarray(found.residual)
     if np.abs(residual).max(initial=0.0) > 1e-12 * (1.0 + np.abs(numeric(found.problem.target)).max(initial=0.0)):
@@ -67,6 +69,8 @@ def _about_limits(found: JointRates) -> list[str]:
     if found.limits is None:
         return []
     met = "; ".join(word.replace(" ", TIED) for word in found.limiting) or "no limit is met"
+    if found.method == "qp" and found.scale == 0.0 and not found.keeps_direction:
+        return [wrapped("limits: ", f"no share of the speed fits; the closest inside them, in another direction: {met}")]
     if not found.keeps_direction and found.method != "qp":
         return [wrapped("limits: ", f"no share of the speed fits; joints are cut off singly, in another direction: {met}")]
     if found.scale < 1.0:

@@ -71,8 +71,7 @@ class SixVector(Frozen):
 
     def to_dict(self) -> dict[str, Any]:
         """Plain lists and text, for JSON."""
-        frame = {"axes": self.frame.axes, "origin": self.frame.origin, "offset": list(self.frame.offset)}
-        return {"linear": plain(self.array[..., LINEAR]), "angular": plain(self.array[..., ANGULAR]), **frame}
+        return {"linear": plain(self.array[..., LINEAR]), "angular": plain(self.array[..., ANGULAR]), **self.frame.to_dict()}
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> Array:
         return np.array(numeric(self.array), dtype=dtype, copy=copy)
@@ -319,8 +318,7 @@ class Wrench(SixVector):
 
     def to_dict(self) -> dict[str, Any]:
         """Plain lists and text, for JSON."""
-        frame = {"axes": self.frame.axes, "origin": self.frame.origin, "offset": list(self.frame.offset)}
-        return {"force": plain(self.force), "torque": plain(self.torque), "acts_on": self.acts_on, **frame}
+        return {"force": plain(self.force), "torque": plain(self.torque), "acts_on": self.acts_on, **self.frame.to_dict()}
 
     def reaction(self) -> Self:
         """The same contact seen from the other side: opposite numbers, acting on the other body (Newton's third law).

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from .._kernels import STANDARD_GRAVITY
-from ..errors import ArrayTypeError, ConfigurationError, UnknownNameError, nearest
+from ..errors import ArrayTypeError, ConfigurationError
 from ..frames import TIP
 from ..kinematics import configuration, jacobian, require_model
 from ..model import RobotModel
@@ -18,6 +18,7 @@ from ..spatial import ANGULAR, LINEAR, rotate, transpose
 from ..tasks import without_rounding
 from .capacity_result import Capacity
 from .gravity import checked_gravity, gravity_torques, missing_masses
+from .limits import joint_limits
 from .subspaces import RANK_TOLERANCE
 
 EffortLimits = Sequence[float] | Mapping[str, float] | None
@@ -138,37 +139,15 @@ def _arguments(
 
 
 def checked_effort_limits(model: RobotModel, effort_limits: Any) -> Array:
-    """(n) the limits given, for some joints by name, or else the robot's own.
+    """(n) the limits given, for some joints by name, or else the robot's own; the same both ways.
 
     Raises:
         ConfigurationError: KS303. UnknownNameError: KS313.
     """
-    if effort_limits is None:
-        return np.array(model.effort_limits)
-    if isinstance(effort_limits, Mapping):
-        limits = np.array(model.effort_limits)
-        for name, value in effort_limits.items():
-            if name not in model.joint_names:
-                hint = nearest(str(name), model.joint_names)
-                raise UnknownNameError("KS313", f"robot {model.name!r} has no joint {name!r}", hint)
-            limits[model.joint_names.index(name)] = _number(value)
-    else:
-        try:
-            limits = np.array([_number(value) for value in effort_limits])
-        except TypeError:
-            limits = np.zeros(())
-    if limits.shape != (model.n,) or not np.all(limits >= 0):
-        message = f"effort limits {effort_limits!r} are not {model.n} numbers of zero or more"
-        raise ConfigurationError("KS303", message, _UNKNOWN)
-    return limits
-
-
-def _number(value: Any) -> float:
-    """A number, or NaN for what is none."""
-    try:
-        return float(value)
-    except (TypeError, ValueError):
-        return np.nan
+    limits = joint_limits(model, effort_limits, "effort")
+    if np.any(limits.lower != -limits.upper):
+        raise ConfigurationError("KS303", f"effort limits {effort_limits!r} are not the same both ways", _UNKNOWN)
+    return limits.upper
 
 
 def _wrench(direction: Any) -> tuple[Array, str]:
