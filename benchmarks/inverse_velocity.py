@@ -1,4 +1,4 @@
-"""Inverse velocity: `python benchmarks/inverse_velocity.py [--quick] [--markdown FILE]`.
+"""Inverse velocity: part of run.py, and alone `python benchmarks/inverse_velocity.py [--quick] [--markdown FILE]`.
 
 One process, one core, contestants in turns, CPU time, medians, as in run.py; needs the dev extra. The arm is the Panda.
 Pink and mink are compared where they are installed.

@@ -19,6 +19,7 @@ import time
 from pathlib import Path
 
 import compiled
+import inverse_velocity
 import measurements
 import numpy as np
 import statics
@@ -62,6 +63,8 @@ def main() -> None:
             found = section(robot, loop, limit, rounds)
             rows += found
             print("\n".join(table(found).splitlines()[2:]), flush=True)
+        if name == "panda":
+            rows += inverse_velocity.steps(robot, rounds) + inverse_velocity.inverses(robot, rounds)
     if len(cores) > 1:
         os.sched_setaffinity(0, cores)
         rows += measurements.threads(subject("panda"), rounds)

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import kinestatics as ks
+from kinestatics import kernels
 from kinestatics._kernels import _core
 
 ARM = ks.load("ur5e")
@@ -290,3 +291,31 @@ def test_a_chain_refuses_bytes_that_do_not_fit():
             ks.kernels.Chain(*bad)
     with pytest.raises((ValueError, RuntimeError, TypeError)):
         ks.kernels.Chain.__new__(ks.kernels.Chain).jacobian(Q)
+
+
+def bounded_arrays(n):
+    return [np.zeros(n), np.zeros(6), np.zeros(8 + 4 * n), np.zeros(6 + 10 * n + n * n)]
+
+
+@pytest.mark.parametrize("place", range(4))
+def test_a_bounded_program_writes_into_nothing_that_does_not_fit(place):
+    """Wrong sizes, types, layouts and read-only results are refused before anything is written."""
+    chain = _core.Chain(*kernels.chain_arguments(ARM, ARM.link("tip")))
+    good = bounded_arrays(6)
+    assert chain.bounded_program(*good)
+    frozen = good[3].copy()
+    frozen.setflags(write=False)
+    bad = [good[place][:-1].copy(), good[place].astype(np.float32), np.zeros(2 * len(good[place]))[::2], good[place][None]]
+    for wrong in [*bad, None, 3.0] + ([frozen] if place == 3 else []):
+        arrays = list(good)
+        arrays[place] = wrong
+        assert not chain.bounded_program(*arrays)
+    for value in (np.nan, np.inf):
+        arrays = bounded_arrays(6)
+        arrays[0][2] = value
+        assert not chain.bounded_program(*arrays)
+    arrays = bounded_arrays(6)
+    arrays[1][2] = -np.inf
+    assert not chain.bounded_program(*arrays)
+    with pytest.raises(TypeError, match="4 arguments"):
+        chain.bounded_program(*good[:3])

@@ -6,6 +6,7 @@ from hypothesis import given, settings, strategies as st
 
 from kinestatics import definition, kernels
 from kinestatics.definition import Target
+from kinestatics.inverse_velocity.limits import approach_rate
 from kinestatics.namespaces import as_array
 from strategies import Features, assert_close, features
 
@@ -136,3 +137,29 @@ def test_threads_give_the_same_bits(name):
             one = method(q)
             for threads in (2, 3, 5):
                 assert np.array_equal(method(q, threads=threads), one)
+
+
+@pytest.mark.parametrize("name", SETS)
+@given(f=features(max_joints=9), body=st.booleans(), braking=st.booleans())
+def test_program_of_a_period(name, f, body, braking):
+    """JᵀJ + λ², -Jᵀξ on the rows that count, and the bounds of RateLimits, whose words are in inverse_velocity/limits.py."""
+    model, chain, target, _ = both(f, body, origin_at_base=False)
+    rng, n, dt = np.random.default_rng(f.seed), model.n, 0.01
+    q, xp = as_array(f.configurations(1)[0])
+    weights, twist = rng.choice([0.0, 0.3, 1.0], 6), np.where(rng.random(6) < 0.2, np.nan, rng.normal(size=6))
+    lower, upper = q - rng.uniform(-0.01, 0.5, n), q + rng.uniform(-0.01, 0.5, n)
+    fastest, a, previous = rng.uniform(0.1, 3, n), rng.uniform(1, 9, n), rng.normal(size=n)
+    settings = np.concatenate([weights, [0.04, dt], lower, upper, fastest, a if braking else np.full(n, np.inf)])
+    program = np.zeros(6 + 10 * n + n * n)
+    parts = np.split(program, np.cumsum([6 * n, 6, n, n * n, n, n]))
+    parts[2][:] = previous
+    with kernels.use(name):
+        assert chain.bounded_program(q, twist, settings, program)
+    factor = np.where(np.isnan(twist), 0.0, weights)
+    J, goal = factor[:, None] * definition.jacobian(model, q, target, xp), factor * np.nan_to_num(twist)
+    for found, expected in zip(parts, (J, goal, previous, J.T @ J + 0.04 * np.eye(n), -J.T @ goal), strict=False):
+        assert_close(found, expected.ravel(), ROUNDING)
+    for found, distance, sign in ((parts[5], upper - q, 1.0), (parts[6], q - lower, -1.0)):
+        bound = sign * np.minimum(approach_rate(distance, dt, a if braking else None), fastest)
+        expected = np.clip(bound, previous - a * dt, previous + a * dt) if braking else bound
+        assert_close(found, expected, 1e-12)

@@ -11,6 +11,7 @@
 #include <thread>
 #include <vector>
 
+#include "bounded.hpp"
 #include "buffers.hpp"
 #include "dispatch.hpp"
 
@@ -410,6 +411,35 @@ KS_METHOD(chain_damped_rates) {
                  });
 }
 
+// bounded_program(q, twist, settings, program): the arrays of bounded.hpp; False where q or twist need a reader's eye.
+PyObject *chain_bounded_program(Chain *self, PyObject *const *args, Py_ssize_t given) {
+  const Program *c = &self->chain;
+  const int n = c->columns;
+  const npy_intp sizes[] = {n, 6, (npy_intp)BoundedSettings::size(n), (npy_intp)BoundedProgram::size(n)};
+  if (given != 4) {
+    PyErr_Format(PyExc_TypeError, "bounded_program() takes 4 arguments, %zd were given", given);
+    return nullptr;
+  }
+  double *data[4];
+  for (int i = 0; i < 4; i++) {
+    PyArrayObject *a = (PyArrayObject *)args[i];
+    if (!is_ready(args[i]) || PyArray_NDIM(a) != 1 || PyArray_DIM(a, 0) != sizes[i] || (i == 3 && !PyArray_ISWRITEABLE(a)))
+      Py_RETURN_FALSE;
+    data[i] = (double *)PyArray_DATA(a);
+  }
+  for (int i = 0; i < n; i++)
+    if (!std::isfinite(data[0][i])) Py_RETURN_FALSE;
+  double *memory = scratch.get(kernels->scratch_size(c, false));
+  if (!memory) return PyErr_NoMemory();
+  const BoundedSettings settings(data[2], n);
+  BoundedProgram program(data[3], n);
+  kernels->jacobian_one(c, data[0], program.J, memory);
+  if (!weigh_rows(settings, n, data[1], program)) Py_RETURN_FALSE;
+  write_squares(settings, n, program);
+  write_bounds(settings, n, data[0], program);
+  Py_RETURN_TRUE;
+}
+
 // Joints from the bytes of program.py's structured array, checked: an index out of range must never reach the kernels.
 Joints *read_joints(const Py_buffer &bytes, int columns) {
   if (bytes.len % (Py_ssize_t)sizeof(Joint)) {
@@ -569,6 +599,9 @@ PyMethodDef chain_methods[] = {
     KS_ENTRY(singular_values, "singular_values(q, out=None, threads=None)\n\nq (..., n) -> those of the rows in play, descending, (..., min(rows, n))." KS_COMMON),
     KS_ENTRY(damped_rates, "damped_rates(q, twist, damping, out=None, threads=None)\n\nJ^T (J J^T + damping^2 I)^-1 twist over the rows in play, (..., n). The normal equations lose what\n"
                            "lies below 1e-8 of the largest singular value: keep damping above 1e-7 of it near singularities." KS_COMMON),
+    {"bounded_program", (PyCFunction)(void *)chain_bounded_program, METH_FASTCALL,
+     "bounded_program(q, twist, settings, program, /)\n\nWrites the quadratic program of one period of a control loop into `program`; the layouts are those of\n"
+     "bounded.hpp. False where an array is not plain, not of its size, or q or the twist is not finite (NaN: free)."},
     {nullptr, nullptr, 0, nullptr}};
 PyType_Slot chain_slots[] = {{Py_tp_methods, chain_methods},
                              {Py_tp_init, (void *)chain_init},

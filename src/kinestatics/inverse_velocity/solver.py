@@ -26,10 +26,7 @@ _INSIDE = 1e-9
 _TRIALS = 32
 _NO_LIMIT = 1e30
 _LEAST_DAMPING = 2e-5  # of the largest singular value: DAQP takes squares below 1e-11 for zero
-_LOOKS = 8
-"""Beside a position limit, in how many steps it is asked once how far the next one is."""
-_INFINITE = float("inf")
-_NDARRAY, _SIX, _largest, _multiply, _subtract = np.ndarray, (6,), _core.largest, np.multiply, np.subtract
+_largest = _core.largest
 
 
 class RateSolver:
@@ -71,15 +68,6 @@ class RateSolver:
         0.1
     """
 
-    _of_q: Array
-    _ends: Array
-    _scale: Array
-    _most: Array
-    _least: Array
-    _half_step: Array
-    _countdown: int
-    _clearance: float
-    _braking: bool
     _tell: Callable[[], Any]
     _solve: Callable[[], Any]
 
@@ -100,43 +88,26 @@ class RateSolver:
         require_model(model)
         self.model, self.dt = model, checked_positive(dt, "dt", "the period in seconds")
         self.damping = checked_positive(damping, "damping", "in the unit of the rows")
-        chain, self.frame = _chain(model, at, checked_point(point), frame)
-        self._jacobian = chain.jacobian
+        self._chain, self.frame = _chain(model, at, checked_point(point), frame)
+        self._write = self._chain.bounded_program
         self.task = find_task(model, task, at=at, frame=frame)
-        self._read_rows(checked_positive(length, "length", "the characteristic length in metres"))
+        self._read_settings(checked_positive(length, "length", "the characteristic length in metres"), margin, acceleration)
+        self._share_arrays()
         self._check_damping()
-        self._read_limits(margin, acceleration)
         self._open()
         self.reset()
 
     def step(self, q: Any, twist: Any) -> Array:
         """The rates for the coming period: q (n) [rad or m], twist (6) [m/s, rad/s] → (n) [rad/s or m/s]."""
-        if type(twist) is not _NDARRAY or twist.shape != _SIX:
-            twist = self._read_twist(twist)
-        most = _largest(q)
-        if most is None or not most < _INFINITE:
-            q = self._read_q(q)
-        self._jacobian(q, self._J)
-        _multiply(twist, self._minus, self._target)
-        if not _largest(self._target) < _INFINITE:  # type: ignore[operator]
-            self._free_rows(twist)
-        elif self._scaled:
-            _multiply(self._J, self._sizes, self._J)
-        self._square(self._rows, self._H)
-        self._project(self._J, self._f)
-        _subtract(q, self._seen_at, self._moved)
-        if _largest(self._moved) > self._clearance:  # type: ignore[operator]
-            self._look_at_positions(q)
-        if self._braking:
-            self._look_at_accelerations()
+        if not self._write(q, twist, self._settings, self._program):
+            self._write(self._read_q(q), self._read_twist(twist), self._settings, self._program)
         self._tell()
         rates, _, flag, _ = self._solve()
         if flag != 1 or not _largest(rates) <= self._greatest:  # type: ignore[operator]
             rates = self._again()
         elif not self._exact:
             rates = np.clip(rates, self._lower, self._upper)
-        if self._braking:
-            self._previous[:] = rates
+        self._previous[:] = rates
         return rates
 
     def reset(self, previous: Any = None) -> None:
@@ -144,11 +115,11 @@ class RateSolver:
         rates = np.zeros(self.model.n) if previous is None else np.asarray(previous, dtype=np.float64)
         if rates.shape != (self.model.n,) or not np.all(np.isfinite(rates)):
             raise ConfigurationError("KS303", f"previous is {previous!r}", f"{self.model.n} finite rates")
-        self._previous = np.array(rates)
+        self._previous[:] = rates
 
     @property
     def previous(self) -> Array:
-        """(n) the rates of the period before, where accelerations are limited [rad/s or m/s]."""
+        """(n) the rates of the period before [rad/s or m/s]."""
         return self._previous.copy()
 
     @property
@@ -156,85 +127,49 @@ class RateSolver:
         """(n), (n) lower and upper bounds of the last step [rad/s or m/s]."""
         return self._lower.copy(), self._upper.copy()
 
-    def _look_at_positions(self, q: Array) -> None:
-        """Bounds from position and velocity limits, and how far q may move before they must be found again.
-
-        Within `_clearance` of the configuration at which they were looked at last, no joint comes as near to a position
-        limit as to be slowed down by it.
-        """
-        ahead, n = self._ahead, len(q)  # to the upper limits and to the lower ones: D/dt, or 2 a D where braking is planned
-        self._of_q.dot(q, ahead)
-        np.add(ahead, self._ends, ahead)
-        self._countdown -= 1
-        self._clearance = -1.0  # look again in the next step
-        if self._countdown <= 0:
-            self._countdown, self._clearance = _LOOKS, max(-1.0, float(((ahead - self._most) / self._scale).min()))
-            self._seen_at[:] = q
-        np.minimum(ahead, self._most, out=ahead)
-        np.maximum(ahead, self._least, out=ahead)
-        if self._braking:
-            np.sqrt(ahead, ahead)
-            np.subtract(ahead, self._half_step, ahead)
-        self._position[:n] = ahead[:n]
-        np.negative(ahead[n:], self._position[n:])
-
-    def _look_at_accelerations(self) -> None:
-        """The window around the rates before, which holds before the other bounds."""
-        window = self._window
-        self._of_previous.dot(self._previous, window)
-        np.add(window, self._steps, window)
-        np.minimum(self._position, self._fastest, out=self._bounds)
-        np.maximum(self._bounds, self._slowest, out=self._bounds)
-
-    def _read_rows(self, length: float) -> None:
-        """λ above J in one array, so that H is one product; the weights of rows in play and of the others, 0."""
-        n = self.model.n
-        weights = np.zeros(6)
+    def _read_settings(self, length: float, margin: Any, acceleration: Any) -> None:
+        """What stays from step to step, as the kernel reads it: row weights, λ², dt, then four numbers of each joint."""
+        model = self.model
+        self._weights = np.zeros(6)
         for row in self.task.rows:
-            weights[row] = length if row in ANGULAR_ROWS else 1.0
-        whole = np.zeros((n + 6, n))
-        whole[:n] = self.damping * np.eye(n)
-        self._J, self._target, self._sizes, self._minus = whole[n:], np.zeros(6), weights[:, None].copy(), -weights
-        first = len(self.task.rows) if self.task.rows == tuple(range(len(self.task.rows))) else 6
-        self._scaled = bool(np.any(weights[:first] != 1.0))
-        self._rows, self._H, self._f = whole[: n + first], np.zeros((n, n)), np.zeros(n)
-        self._square, self._project = self._rows.T.dot, self._target.dot  # H = rowsᵀ rows, f = target J
+            self._weights[row] = length if row in ANGULAR_ROWS else 1.0
+        lower, upper = position_range(model, np.asarray(margin, dtype=float) + _INSIDE)
+        fastest = np.minimum(model.velocity_limits * (1.0 - _INSIDE), _NO_LIMIT)
+        most = np.full(model.n, np.inf)
+        if acceleration is not None:
+            most = per_joint(model, acceleration, "acceleration", positive=True) * (1.0 - _INSIDE)
+        self._settings = np.concatenate([self._weights, [self.damping**2, self.dt], lower, upper, fastest, most])
+        self._greatest = float(model.velocity_limits.max(initial=0.0)) * (1.0 + 1e-6)
+
+    def _share_arrays(self) -> None:
+        """The one array the kernel writes, and the names of its parts; DAQP reads H, f and the bounds where they lie."""
+        n = self.model.n
+        sizes = [6 * n, 6, n, n * n, n, n, n]
+        self._program = np.zeros(sum(sizes))
+        parts = np.split(self._program, np.cumsum(sizes)[:-1])
+        self._J, self._target, self._previous, H, f, self._upper, self._lower = parts
+        self._J = self._J.reshape(6, n)
+        self._arrays = Arrays(H.reshape(n, n), f, self._upper, self._lower)
 
     def _check_damping(self) -> None:
         """Raises ConfigurationError (KS353) where λ² would be rounding beside J J in some posture."""
-        samples = self._sizes * np.asarray(self._jacobian(self.model.random_configurations(64, seed=1)))
-        least = _LEAST_DAMPING * float(np.linalg.norm(samples, 2, axis=(-2, -1)).max()) if self.model.n else 0.0
+        if not self.model.n:
+            return
+        samples = self._weighted(self.model.random_configurations(64, seed=1))
+        least = _LEAST_DAMPING * float(np.linalg.norm(samples, 2, axis=(-2, -1)).max())
         if self.damping < least:
             hint = f"at least {least:.1g} for this arm; joint_rates(..., 'qp', damping=) takes less"
             raise ConfigurationError("KS353", f"damping is {self.damping!r}, too small for a program in squares", hint)
 
-    def _read_limits(self, margin: Any, acceleration: Any) -> None:
-        """Constants of the bounds: first the upper ones of all joints, then the lower ones."""
-        model, n, dt = self.model, self.model.n, self.dt
-        lower, upper = position_range(model, np.asarray(margin, dtype=float) + _INSIDE)
-        fastest = np.tile(np.minimum(model.velocity_limits * (1.0 - _INSIDE), _NO_LIMIT), 2)
-        self._greatest = float(model.velocity_limits.max(initial=0.0)) * (1.0 + 1e-6)
-        self._seen_at, self._moved, self._ahead = np.zeros(n), np.zeros(n), np.zeros(2 * n)
-        self._position = self._bounds = np.zeros(2 * n)
-        self._clearance, self._countdown, self._braking = -1.0, 0, acceleration is not None
-        self._scale, self._most, self._least = np.full(2 * n, 1.0 / dt), fastest, np.zeros(2 * n)
-        if self._braking:
-            most = np.tile(per_joint(model, acceleration, "acceleration", positive=True) * (1.0 - _INSIDE), 2)
-            step, self._half_step = most * dt, 0.5 * most * dt
-            self._scale, self._most, self._least = 2.0 * most, (fastest + self._half_step) ** 2, self._half_step**2
-            self._of_previous, self._steps = np.tile(np.eye(n), (4, 1)), np.concatenate([step, -step])
-            self._window, self._bounds = np.zeros(4 * n), np.zeros(2 * n)
-            self._fastest, self._slowest = self._window[: 2 * n], self._window[2 * n :]
-        self._of_q = self._scale[:, None] * np.vstack([-np.eye(n), np.eye(n)])
-        self._ends = self._scale * np.concatenate([upper, -lower])
-        self._upper, self._lower = self._bounds[:n], self._bounds[n:]
+    def _weighted(self, q: Array) -> Array:
+        return self._weights[:, None] * self._chain.jacobian(q)
 
     def _trials(self) -> list[Bounded]:
         """Problems like those to come: this arm, every other time short of rank, with bounds that are met and others."""
         n, rng = self.model.n, np.random.default_rng(1)
         found = []
         for k, drawn in enumerate(self.model.random_configurations(_TRIALS, seed=2)):
-            J = self._sizes * self._jacobian(drawn)
+            J = self._weighted(drawn)
             if k % 2:
                 U, sigma, Vt = np.linalg.svd(J, full_matrices=False)
                 J = (U[:, : k % 4] * sigma[: k % 4]) @ Vt[: k % 4]
@@ -245,18 +180,16 @@ class RateSolver:
 
     def _open(self) -> None:
         """A workspace of DAQP on the arrays of this solver."""
-        self._arrays = Arrays(self._H, self._f, self._upper, self._lower)
         workspace = open_workspace(self._arrays, self._trials())
         self._tell, self._solve, self._exact, self._way = workspace.tell, workspace.solve, workspace.exact, workspace.way
-        self._clearance, self._countdown = -1.0, 0  # the bounds were overwritten
 
     def _again(self) -> Array:
         """The same program by the slower route, where DAQP has given up or was handed numbers out of scale."""
         J, n = self._J, self.model.n
-        if not (np.all(np.isfinite(J)) and np.all(np.isfinite(self._bounds))):
+        if not (np.all(np.isfinite(self._program))):
             raise ConfigurationError("KS356", "the program of this step is not finite", "q or the twist is far out of scale")
         lower, upper = self._lower.copy(), np.maximum(self._upper, self._lower)
-        program = Bounded(J, -self._target, np.zeros(n), np.eye(n), lower, upper, self.damping)
+        program = Bounded(J, self._target, np.zeros(n), np.eye(n), lower, upper, self.damping)
         found = solve(program, np.clip(np.zeros(n), lower, upper))
         if self._way is not None and (fresh := self._way(self._arrays)) is not None:
             self._tell, self._solve = fresh.tell, fresh.solve
@@ -272,10 +205,12 @@ class RateSolver:
                 message = f"the solver ({self.frame}) and the twist ({written}) are written in different frames"
                 raise FrameMismatchError("KS330", message, f"RateSolver(..., frame={written!r}), or rewrite the twist")
             twist = twist.array
-        array = np.asarray(twist, dtype=np.float64)
+        array = np.array(twist, dtype=np.float64)
+        hint = "6 finite numbers, linear first; NaN where a component is free"
         if array.shape != (6,):
-            hint = "6 numbers, linear first; NaN where a component is free"
             raise ConfigurationError("KS303", f"the twist has shape {array.shape}", hint)
+        if np.isinf(array).any():
+            raise ConfigurationError("KS301", f"the twist is {array}", hint)
         return array
 
     def _read_q(self, q: Any) -> Array:
@@ -285,18 +220,6 @@ class RateSolver:
         if not np.all(np.isfinite(array)):
             raise ConfigurationError("KS301", f"q is {array}", "pass finite numbers")
         return array
-
-    def _free_rows(self, twist: Array) -> None:
-        """Leaves out the rows whose component is NaN.
-
-        Raises:
-            ConfigurationError: KS301 for an infinite component.
-        """
-        if np.isinf(twist).any():
-            raise ConfigurationError("KS301", f"the twist is {twist}", "finite numbers, or NaN where it is free")
-        free = np.isnan(twist)
-        self._J *= np.where(free[:, None], 0.0, self._sizes)
-        self._target[free] = 0.0
 
     def __repr__(self) -> str:
         return f"<RateSolver of {self.model.name!r}, {self.frame}, rows {', '.join(self.task.row_names)}, dt {self.dt:g} s>"
