@@ -2,12 +2,13 @@
 
 import copy
 import pickle
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import kinestatics as ks
-from kinestatics.quantities import format_number
+from kinestatics.quantities import TIED, format_number, wrapped
 
 ARM, Q = ks.load("ur5e"), np.array([0.3, -0.8, 1.1, -0.9, 0.7, 0.4])
 QD = np.array([0.1, -0.2, 0.3, -0.4, 0.5, -0.6])
@@ -200,9 +201,12 @@ def test_who_acts_on_whom_is_kept():
 
 
 def test_six_vectors_print_their_units():
-    """Names, numbers, units and frame in one line."""
+    """Names, numbers, units and frame, in one line where it is not too long."""
     assert str(ks.Twist.of((1, 0, 0), (0, 0, 0.5))) == (
-        "Twist (vx 1, vy 0, vz 0, wx 0, wy 0, wz 0.5) [m/s, rad/s], axes of base, at the origin of tip"
+        "Twist (vx 1, vy 0, vz 0, wx 0, wy 0, wz 0.5) [m/s, rad/s],\n      axes of base, at the origin of tip"
+    )
+    assert str(ks.Wrench.on_robot(frame=ks.Frame("a", "b"))) == (
+        "Wrench (fx 0, fy 0, fz 0, mx 0, my 0, mz 0) [N, N m],\n       axes of a, at the origin of b"
     )
     wrench = str(ks.Wrench.on_robot((1, 2, 3)))
     assert wrench.startswith("Wrench (fx 1, fy 2, fz 3, mx 0, my 0, mz 0) [N, N m]")
@@ -230,3 +234,76 @@ def test_six_vectors_print_their_units():
 def test_numbers_are_printed_short(x, text):
     """Four decimals at most, small and large ones by their exponent, no minus before a zero, symbols as they are."""
     assert format_number(x) == text
+
+
+def with_long_names(name, letters):
+    """A catalogue arm whose links and joints have names of so many letters."""
+    arm = ks.load(name)
+    links = tuple(f"left_gripper_of_link_{k}_".ljust(letters, "x") for k in range(len(arm.link_names)))
+    joints = tuple(f"left_arm_joint_{k}_".ljust(letters, "y") for k in range(arm.n))
+    base, tip = (links[arm.link_names.index(word)] for word in (arm.base, arm.tip))
+    return replace(arm, link_names=links, joint_names=joints, moving_names=joints, base=base, tip=tip)
+
+
+def printed(arm, seed):
+    """What one arm prints."""
+    rng = np.random.default_rng(seed)
+    q = arm.random_configurations(1, seed=seed)[0]
+    J = ks.jacobian(arm, q)
+    size = 10.0 ** rng.integers(-3, 6)
+    placed = ks.Frame(arm.link_names[1], arm.link_names[-1], (0.123456, -0.5, 1.25))
+    for frame in (J.frame, ks.Frame(arm.link_names[1], arm.link_names[-1]), placed):
+        twist, wrench = ks.Twist(size * rng.normal(size=6), frame), ks.Wrench(size * rng.normal(size=6), frame, "robot")
+        yield from (twist, wrench, ks.screw(twist), ks.screw(wrench), ks.screw(ks.Twist.of((1, 2, 3), frame=frame)))
+        yield from (ks.Twist(np.zeros((2, 6)), frame), ks.Wrench(np.zeros((2, 6)), frame, "environment"))
+        yield ks.screw(ks.Wrench(rng.normal(size=(2, 6)), frame, "robot"))
+        yield ks.jacobian(arm, q, frame=frame)
+    yield from (ks.pose(arm, q), ks.acceleration(arm, q, q, q), J)
+    limits = ks.RateLimits.of(arm, q, dt=0.01, acceleration=30.0, previous=0.9 * arm.velocity_limits)
+    for bounds in (None, limits, {arm.joint_names[0]: 0.1}, ks.RateLimits(np.full(arm.n, 0.5), np.full(arm.n, 1.0))):
+        twist = ks.Twist(rng.normal(size=6), J.frame)
+        for options in ({}, {"task": "auto"}, {"method": "adaptive", "damping": 0.01}, {"method": "qp"}):
+            yield ks.joint_rates(J, twist, limits=bounds, **options)
+    straight = ks.jacobian(arm, np.zeros(arm.n))
+    yield ks.joint_rates(straight, rng.normal(size=6))
+    yield from (limits, ks.RateLimits.of(arm, q, dt=0.01, acceleration=0.01, previous=0 * q))
+    yield ks.prioritized_rates([(J, rng.normal(size=6)), (straight, rng.normal(size=6))])
+
+
+@pytest.mark.parametrize("letters", [10, 40, 60])
+@pytest.mark.parametrize("name", ["ur5e", "panda", "iiwa_14"])
+def test_nothing_is_printed_wider_than_eighty_columns(name, letters):
+    """However long the names of links and joints: no line that could be broken at a space is longer than 80 columns."""
+    arm, kinds, wide = with_long_names(name, letters), set(), 0
+    for seed in range(3):
+        for thing in printed(arm, seed):
+            text = str(thing)
+            kinds.add(type(thing).__name__)
+            wide += any(len(line) > 70 for line in text.splitlines())
+            for line in text.splitlines():
+                assert len(line) <= 80, line
+                assert line == line.rstrip()
+    assert {"Twist", "Wrench", "Acceleration", "Screw", "Pose", "Jacobian", "JointRates", "RateLimits"} <= kinds
+    assert wide > 10
+
+
+def test_a_table_too_wide_for_its_names_has_numbers():
+    """Names move below the table, in order, and the numbers of each row stay where they were."""
+    limits = ks.RateLimits.of(with_long_names("panda", 72), ks.load("panda").home, dt=0.01, acceleration=10.0)
+    short = ks.RateLimits.of(ks.load("panda"), ks.load("panda").home, dt=0.01, acceleration=10.0)
+    long_lines, short_lines = (str(x).splitlines() for x in (limits, short))
+    assert [line.split()[1:] for line in long_lines[2:9]] == [line.split()[1:] for line in short_lines[2:9]]
+    assert [line.split()[0] for line in long_lines[2:9]] == list("1234567")
+    legend = " ".join(long_lines[9:]).split()
+    assert legend[:3] == ["joints:", "1", limits.joint_names[0] + ","]
+    assert legend[-2:] == ["7", limits.joint_names[6]]
+    assert short_lines[2].split()[0] == "panda_joint1"
+
+
+def test_tied_words_are_torn_only_where_they_must():
+    """Tied words stay in one line, unless they are longer than a line."""
+    text = wrapped("label: ", f"some words {TIED.join(['a' * 30, 'b' * 32])}")
+    assert text == f"label: some words\n       {'a' * 30} {'b' * 32}"
+    text = wrapped("label: ", TIED.join(["a" * 30] * 3))
+    assert text.split() == ["label:", *["a" * 30] * 3]
+    assert max(map(len, text.splitlines())) <= 80

@@ -410,8 +410,11 @@ def test_a_batch_of_screws_is_its_single_ones():
     ],
 )
 def test_a_screw_in_words(quantity, text):
-    """What, about or along which axis with its sign, through where, how much, with what pitch."""
-    assert str(ks.screw(quantity)) == text
+    """What, about or along which axis with its sign, through where, how much, with what pitch; printed in lines."""
+    found = ks.screw(quantity)
+    assert found.text == text
+    assert str(found).replace("\n ", "") == text
+    assert all(len(line) <= 80 for line in str(found).splitlines())
 
 
 def test_where_the_axis_of_a_joint_is():

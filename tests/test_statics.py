@@ -202,6 +202,24 @@ MISTAKES = {
         lambda: ks.joint_reactions(ARM, Q, ks.Wrench.on_robot((0, 0, 1), frame=ks.Frame("hand", "tip"))),
         "KS310.*hand",
     ),
+    "torques of a force of NaN": (
+        lambda: ks.joint_torques(ks.jacobian(ARM, Q), ks.Wrench.on_robot((0, 0, np.nan))),
+        r"KS301: the wrench is not finite: fz is nan.*0 where there is no force.*twists",
+    ),
+    "torques of one moment among many": (
+        lambda: ks.joint_torques(ks.jacobian(ARM, Q), ks.Wrench.on_robot(torque=[[0, 0, 1], [0, -np.inf, 0]])),
+        r"KS301.*my of wrench \[1\] is -inf",
+    ),
+    "a push of NaN in single precision": (
+        lambda: ks.joint_torques(
+            ks.jacobian(ARM, Q), ks.Wrench(np.full(6, np.nan, dtype=np.float32), ks.Frame(), "environment")
+        ),
+        "KS301.*fx is nan",
+    ),
+    "a load beyond all numbers": (
+        lambda: ks.holding_torques(ARM, Q, ks.Wrench.on_robot((0, 1e200, 0))),
+        r"KS301.*load on 'tip'.*fy is 1e\+200.*below 1e\+150",
+    ),
     "a load that is not finite": (lambda: ks.holding_torques(ARM, Q, ks.Wrench.on_robot((0, 0, np.nan))), "KS301.*load on"),
     "batches that do not fit": (
         lambda: ks.holding_torques(ARM, np.zeros((2, 6)), ks.Wrench.on_robot(np.zeros((3, 3)))),
@@ -555,3 +573,14 @@ def test_capacities_of_what_is_not_finite_are_nan():
 def test_several_wrenches_at_the_tip():
     """A list of wrenches acts at the tip, like one wrench of their sum."""
     assert_close(ks.holding_torques(ARM, Q, [LOAD, LOAD]), ks.holding_torques(ARM, Q, LOAD * 2.0), 1e-12)
+
+
+def test_a_wrench_without_numbers_is_not_looked_at():
+    """Only numbers of NumPy are: under jit there are none yet, symbols are what they are, and nothing is nothing."""
+    J = ks.jacobian(ARM, Q)
+    torques = jax.jit(lambda f: ks.joint_torques(J, ks.Wrench.on_robot(force=f)))
+    assert np.all(np.isnan(torques(jax.numpy.full(3, np.nan))[:3]))
+    assert_close(torques(jax.numpy.array([0.0, 0, 1])), ks.joint_torques(J, ks.Wrench.on_robot((0, 0, 1))), 1e-14)
+    assert len(ks.joint_torques(J, ks.Wrench.on_robot(force=(0, 0, sp.Symbol("f"))))) == 6
+    assert ks.joint_torques(J, ks.Wrench.on_robot(np.zeros((0, 3)))).shape == (0, 6)
+    assert np.isnan(ks.Wrench.on_robot((0, 0, np.nan)).force[2])  # made, as an estimate may be, but not held

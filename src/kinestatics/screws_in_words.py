@@ -9,7 +9,7 @@ import numpy as np
 
 from .frames import Frame
 from .namespaces import Array
-from .quantities import format_number, plain
+from .quantities import format_number, plain, wrapped
 from .spatial import ANGULAR, LINEAR
 
 PURE = 1e-7
@@ -61,10 +61,10 @@ class Screw:
 
     def __str__(self) -> str:
         if self.text:
-            return self.text
+            return wrapped("", self.text, hang=2)
         kinds, counts = np.unique(self.kind, return_counts=True)
         found = ", ".join(f"{count} {kind}" for kind, count in zip(kinds, counts, strict=True))
-        return f"screws, batch of shape {np.shape(self.kind)}: {found or 'empty'}"
+        return wrapped("", f"screws, batch of shape {np.shape(self.kind)}: {found or 'empty'}", hang=2)
 
 
 def _direction_words(direction: Array, axes: str) -> str:

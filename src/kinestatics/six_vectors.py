@@ -225,7 +225,8 @@ def screw(six: Twist | Wrench, *, length: float = 1.0, tolerance: float = PURE) 
     Example:
         >>> import kinestatics as ks
         >>> print(ks.screw(ks.Twist.of(linear=(0, 2, 0), angular=(0, 0, 2))))
-        rotation about z of base, through the origin of tip + (-1, 0, 0) m in axes of base, 2 rad/s
+        rotation about z of base, through the origin of tip + (-1, 0, 0) m in axes of
+          base, 2 rad/s
     """
     if not isinstance(six, Wrench) and type(six) is not Twist:
         raise ArrayTypeError("KS302", f"screw takes a Twist or a Wrench, not a {type(six).__name__}", "J @ qd is a Twist")

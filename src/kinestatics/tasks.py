@@ -141,7 +141,7 @@ def find_task(
     _require_numbers(model)
     samples, known = _samples(model, at, frame, relative_to)
     if not isinstance(task, str):
-        rows = _named_rows(task)
+        rows = named_rows(task)
         return Task(rows, _rank(samples, rows), "rows", "the rows asked for")
     if (found := known.get(task)) is None:
         if len(known) >= _CACHED_SAMPLES:
@@ -155,7 +155,7 @@ def _task_in_words(samples: Array, task: str) -> Task:
         return Task(TASKS[task], _rank(samples, TASKS[task]), task, f"the task asked for is {task!r}")
     if task == "auto":
         return _automatic(samples)
-    rows = _named_rows(task)
+    rows = named_rows(task)
     return Task(rows, _rank(samples, rows), "rows", "the rows asked for")
 
 
@@ -187,7 +187,7 @@ def _require_numbers(model: RobotModel) -> None:
         raise ArrayTypeError("KS302", f"robot {model.name!r} has symbolic lengths, and its structure is sampled", hint)
 
 
-def _named_rows(rows: Any) -> tuple[int, ...]:
+def named_rows(rows: Any) -> tuple[int, ...]:
     """Indices of rows given as names or numbers; one name, or several with commas between, may come as text."""
     if isinstance(rows, str):
         named = [row.strip() for row in rows.split(",")]

@@ -85,6 +85,62 @@ def test_batches_are_their_members(method, options):
     assert many.rank.shape == many.reachable.shape == (4,)
 
 
+@pytest.mark.parametrize(
+    ("method", "options"),
+    [
+        ("pseudoinverse", {}),
+        ("weighted", {"weights": 0.5}),
+        ("damped", {"damping": 0.1}),
+        ("adaptive", {}),
+        ("qr", {}),
+        ("qp", {}),
+        ("qp", {"limits": 0.3, "keep_direction": True}),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "-".join(value),
+)
+@pytest.mark.parametrize("name", ["planar_2r", "planar_3r", "scara", "stanford_arm", "panda"])
+def test_a_task_is_nan_in_the_other_rows(name, method, options):
+    """task=rows gives what NaN in all other rows gives, for every method, frame, batch and way to say the rows."""
+    arm, rng = ks.load(name), np.random.default_rng(7)
+    options = {key: value if value is True or key == "damping" else np.full(arm.n, value) for key, value in options.items()}
+    J = ks.jacobian(arm, arm.random_configurations(3, seed=1))
+    v = rng.normal(size=(3, 6))
+    v[1, 0] = np.nan
+    tasks = ["auto", "position", "orientation", "full", "vx", "vy,wz", ["wx", "vx"], [5, 0], np.array([2])]
+    for frame in (J.frame, ks.Frame.body()):
+        matrix = J.change_frame(frame)
+        for task in tasks:
+            rows = ks.find_task(arm, task, frame=frame).rows
+            free = np.where(np.isin(np.arange(6), rows), v, np.nan)
+            found, expected = (
+                ks.joint_rates(matrix, v, method, task=task, **options),
+                ks.joint_rates(matrix, free, method, **options),
+            )
+            np.testing.assert_array_equal(found.array, expected.array)
+            np.testing.assert_array_equal(found.rank, expected.rank)
+            np.testing.assert_array_equal(found.residual, expected.residual)
+            assert found.task == ks.find_task(arm, task, frame=frame).row_names
+            one = ks.joint_rates(matrix.array[2], v[2], method, task=list(rows), **options)
+            np.testing.assert_allclose(found.array[2], one.array, rtol=0, atol=1e-9 * (1 + np.abs(one.array).max()))
+
+
+def test_an_arm_reaches_its_own_task():
+    """Of every arm with as many freedoms as rows in play, a twist with anything in the other rows is made in these."""
+    counted = 0
+    for name in ks.catalogue_names():
+        arm = ks.load(name)
+        task = ks.find_task(arm) if arm.n else None
+        if task is None or task.rank < len(task.rows):
+            continue
+        q = arm.random_configurations(1, seed=5)[0]
+        J, rows, v = ks.jacobian(arm, q), list(task.rows), np.linspace(-1.0, 1.5, 6)
+        found = ks.joint_rates(J, v, task="auto")
+        assert found.reachable
+        np.testing.assert_allclose(found.achieved.array[rows], v[rows], atol=1e-8)
+        counted += len(rows) < 6
+    assert counted >= 3
+
+
 def test_nothing_asked_is_nothing_done():
     """All components free: no motion, rank 0, reachable; a secondary motion is then free."""
     found = ks.joint_rates(np.ones((6, 3)), [np.nan] * 6, secondary=[1.0, 2.0, 3.0])

@@ -27,7 +27,7 @@ from ..errors import ArrayTypeError, ConfigurationError, UnknownNameError, neare
 from ..kinematics import configuration, require_model
 from ..model import RobotModel
 from ..namespaces import Array, as_array
-from ..quantities import format_number, plain, table
+from ..quantities import format_number, named_table, plain
 from .problem import checked_positive
 
 _ROUNDING = 1e-7  # of rates: one digit of q is worth that much in √(2 a D) close to a limit
@@ -210,7 +210,7 @@ class RateLimits:
                 pair = {self.why(k, "lower"), self.why(k, "upper")}
                 row.append(" and ".join(sorted(pair)) + (", gives way" if self.gives_way[k] else ""))
             rows.append(row)
-        return "joint rates [rad/s or m/s]\n" + table(rows)
+        return "joint rates [rad/s or m/s]\n" + named_table(rows, "joints")
 
 
 def position_range(model: RobotModel, margin: Any) -> tuple[Array, Array]:

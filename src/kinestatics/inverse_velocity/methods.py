@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..errors import ArrayTypeError, ConfigurationError, UnknownNameError, nearest
 from ..namespaces import Array
-from ..quantities import Jacobian, check_batches
 from ..spatial import rotate
 from ..statics import RANK_TOLERANCE
 from .factored import qr_rates, symbolic_rates
+from .given_limits import read_limits
 from .limits import RateLimits
 from .metric import Metric
 from .problem import Problem, checked_positive, read_problem, read_rates
@@ -57,6 +58,7 @@ def joint_rates(
     twist: Any,
     method: str = "pseudoinverse",
     *,
+    task: str | Sequence[str] | Sequence[int] | None = None,
     damping: float | None = None,
     region: float | None = None,
     weights: Any = None,
@@ -81,14 +83,18 @@ def joint_rates(
         J: Jacobian of any link, or a bare array (..., r, n). NumPy, JAX (jit), PyTorch; SymPy for "pseudoinverse".
         twist: Twist in the frame of J, or a bare array (..., r) in its rows [m/s, rad/s]. NaN: that component is free.
         method: one of the above.
+        task: the rows that count: "auto" (those this arm can move), "position", "orientation", "full", rows such as
+            "vx,vy" or ["vx", "wz"], or their numbers from 0; all others are free, as if the twist were NaN there. None:
+            every component of the twist that is not NaN. Of a bare array without six rows: numbers only.
         damping: λ [the unit of the rows]; needed by "damped"; the most that "adaptive" applies, default ε/√2; for "qp"
             the weight of |q̇|, default 1e-6 of the largest singular value.
         region: for "adaptive": ε as a fraction of the largest singular value, default 0.02.
         weights: W, (n) or symmetric (n, n); needed by "weighted", taken by all but "pseudoinverse".
         secondary: (n) or (..., n) joint motion b wanted beside the task: the part of it that does not disturb the task is
             added. For "qp": rates close to b are preferred.
-        limits: RateLimits, or a pair (lower, upper). Methods other than "qp" slow down: the greatest share s of the twist
-            that the limits allow, the secondary motion giving way first.
+        limits: RateLimits; or (n) sizes, the same both ways; or a pair (lower, upper) of (..., n) each; or of some joints
+            {joint: size} or {joint: (lower, upper)}, the others without limit [rad/s or m/s]. Methods other than "qp"
+            slow down: the greatest share s of the twist that the limits allow, the secondary motion giving way first.
         keep_direction: for "qp": the twist's direction is kept, J q̇ = s ξ (or s times the closest reachable twist), with
             the greatest s that any rates allow, and then the smallest rates.
         length: a twist's size is |(v, length · ω)| [m]: what "closest" means when J has six rows.
@@ -98,7 +104,8 @@ def joint_rates(
         JointRates; `.array` (..., n) [rad/s, or m/s for a prismatic joint].
 
     Raises:
-        UnknownNameError: KS350. ConfigurationError: KS301, KS303; KS351 an argument that the method does not take or
+        UnknownNameError: KS350; KS318 a task or row, KS313 a joint of the limits, that does not exist.
+        ConfigurationError: KS301, KS303; KS351 an argument that the method or the bare array does not take, or that it
         needs; KS352 weights; KS353 numbers that are not positive; KS354 limits; KS355 symbols without full rank; KS356.
         FrameMismatchError: KS330. ArrayTypeError: KS302. MissingExtraError: KS400.
 
@@ -112,9 +119,11 @@ def joint_rates(
         array([  99.997, -199.998])
         >>> ks.joint_rates(J.linear, [1.0, 0.0, 0.0], "adaptive").array.round(3)
         array([ 1.978, -3.962])
+        >>> ks.joint_rates(J, [1.0, 0.0, 0, 0, 0, 0], task="auto", limits=[2.0, 2.0]).array.round(3)
+        array([ 1., -2.])
     """
     _check_arguments(method, damping, region, weights, keep_direction, limits)
-    problem = read_problem(J, twist, length)
+    problem = read_problem(J, twist, length, task)
     metric = Metric.of(weights, problem.n)
     limit = problem.tolerance(checked_positive(tolerance, "tolerance", "a small fraction, such as 1e-10"))
     asked = _Asked(method, J, twist, limit, length, problem, metric)
@@ -127,13 +136,13 @@ def joint_rates(
         return _by_program(b, bounds, damping, keep_direction, asked)
     motion = None if b is None else metric.enter(b, problem.xp)
     parts = _unlimited(problem, metric, method, damping, region, motion, limit)
-    task = metric.leave(parts.task, problem.xp)
+    moves = metric.leave(parts.task, problem.xp)
     null = None if parts.null is None else metric.leave(parts.null, problem.xp)
     if bounds is None:
-        rates = task if null is None else task + null
+        rates = moves if null is None else moves + null
         whole = np.ones(rates.shape[:-1])
         return JointRates(rates, *asked, damping=parts.damping, scale=whole, by_svd=parts.by_svd)
-    kept = scaled_into(task, null, bounds.lower, bounds.upper)
+    kept = scaled_into(moves, null, bounds.lower, bounds.upper)
     how = {"damping": parts.damping, "by_svd": parts.by_svd}
     return JointRates(kept.rates, *asked, **how, limits=bounds, scale=kept.scale, keeps_direction=kept.fits)
 
@@ -216,25 +225,6 @@ def _by_program(
         scale[k] = 0.0 if keep_direction else 1.0
     weight = None if keep_direction else used
     return JointRates(rates, *asked, damping=weight, limits=limits, scale=scale, keeps_direction=kept)
-
-
-def read_limits(limits: Any, problem: Problem, batch: tuple[int, ...], J: Any) -> RateLimits:
-    """RateLimits as they are, or from a pair (lower, upper); those of a robot go with its own Jacobian."""
-    if problem.xp.name != "numpy":
-        raise ArrayTypeError("KS302", f"limits are kept on NumPy, not on {problem.xp.name}", "convert the Jacobian first")
-    if not isinstance(limits, RateLimits):
-        if not isinstance(limits, tuple | list) or len(limits) != 2:
-            hint = "ks.RateLimits.of(arm, q, dt=...), or a pair (lower, upper)"
-            raise ArrayTypeError("KS302", f"limits are a {type(limits).__name__}", hint)
-        limits = RateLimits(*limits)
-    if limits.lower.shape[-1] != problem.n:
-        hint = "one for each joint"
-        raise ConfigurationError("KS303", f"the limits are for {limits.lower.shape[-1]} joints, not {problem.n}", hint)
-    if isinstance(J, Jacobian) and limits.of_robot and limits.joint_names != J.joint_names:
-        message = f"the limits are for joints {', '.join(limits.joint_names)}, the Jacobian for {', '.join(J.joint_names)}"
-        raise ConfigurationError("KS303", message, "RateLimits.of the robot of the Jacobian")
-    check_batches("the problem", batch, "the limits", limits.lower.shape[:-1])
-    return limits
 
 
 def _at_symbols(problem: Problem, method: str, secondary: Any, limits: Any) -> Array:

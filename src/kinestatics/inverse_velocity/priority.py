@@ -11,11 +11,11 @@ import numpy as np
 
 from ..errors import ArrayTypeError, ConfigurationError
 from ..namespaces import Array
-from ..quantities import Jacobian, Twist, check_batches, format_number, table
+from ..quantities import WIDTH, Jacobian, Twist, check_batches, format_number, table, wrapped
 from ..spatial import rotate, transpose
 from ..statics import RANK_TOLERANCE
+from .given_limits import read_limits
 from .limits import RateLimits
-from .methods import read_limits
 from .problem import Problem, checked_positive, read_problem
 from .quadratic import in_strict_order, solver
 from .spectral import damped_gain, spectrum
@@ -120,8 +120,11 @@ class PrioritizedRates:
             [f"  {k + 1} {task.name}", "achieved" if task.achieved_fully else f"missing {format_number(task.missing)}"]
             for k, task in enumerate(self.tasks)
         ]
+        told = table(rows)
+        if max(len(line) for line in told.splitlines()) > WIDTH:
+            told = "\n".join(wrapped("", "  ".join(row), hang=4) for row in rows)
         head = "joint rates for tasks in strict order" + (", inside limits" if self.limits is not None else "")
-        return f"{head}\n{rates_table(self.joint_names, self.array, units)}\ntasks\n{table(rows)}"
+        return f"{head}\n{rates_table(self.joint_names, self.array, units)}\ntasks\n{told}"
 
 
 def prioritized_rates(
@@ -137,8 +140,7 @@ def prioritized_rates(
     Args:
         tasks: (J, twist) each, the most important first; any links, frames and rows, NaN in a twist is a free component.
         damping: λ [the unit of the rows] of every level; 0: none. The order is kept whatever it is.
-        limits: RateLimits, or a pair (lower, upper): kept before all tasks, by a cascade of quadratic programs (package
-            daqp).
+        limits: as in `joint_rates`: kept before all tasks, by a cascade of quadratic programs (package daqp).
         length: a twist's size is |(v, length · ω)| [m].
         tolerance: singular values of what is left of a task below this fraction of the task's largest count as zero.
 
@@ -176,7 +178,8 @@ def prioritized_rates(
         return PrioritizedRates(_recursive(problems, batch, damping, small), given, small, length, damping, None, problems)
     if damping != 0.0:
         raise ConfigurationError("KS351", "damping together with limits", "the limits already bound the rates: damping=0")
-    bounds = read_limits(limits, problems[0], batch, given[0][0])
+    named = next((J for J, _ in given if isinstance(J, Jacobian)), given[0][0])
+    bounds = read_limits(limits, problems[0], batch, named)
     rates = _inside(problems, batch, bounds, small)
     return PrioritizedRates(rates, given, small, length, damping, bounds, problems)
 

@@ -14,6 +14,7 @@ from ..namespaces import Array, Namespace, as_array
 from ..quantities import Jacobian, JacobianMatrix, Pose, SixVector, Twist, check_batches
 from ..spatial import ANGULAR
 from ..tasks import model_of, without_rounding
+from .rows import task_rows
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,10 +24,11 @@ class Problem:
     Attributes:
         matrix: (..., r, n) rows in their sizes, zero where nothing is asked.
         target: (..., r) what they shall do, zero where nothing is asked.
-        asked: (..., r) whether a row counts; False where the twist is NaN.
+        asked: (..., r) whether a row counts; False where the twist is NaN, and outside the task.
         sizes: (r) what each row was multiplied by: the length for angular rows.
         plain: (..., r, n) the Jacobian as given.
         xp: the array library.
+        task: the rows of the task, from 0; None where it is all of them.
     """
 
     matrix: Array
@@ -35,9 +37,10 @@ class Problem:
     sizes: Array
     plain: Array
     xp: Namespace
+    task: tuple[int, ...] | None = None
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _again, (self.matrix, self.target, self.asked, self.sizes, self.plain)
+        return _again, (self.matrix, self.target, self.asked, self.sizes, self.plain, self.task)
 
     @property
     def n(self) -> int:
@@ -57,16 +60,19 @@ class Problem:
         return max(wanted, 16 * max(self.matrix.shape[-2:]) * _rounding(self.matrix.dtype))
 
 
-def _again(matrix: Array, target: Array, asked: Array, sizes: Array, plain: Array) -> Problem:
+def _again(
+    matrix: Array, target: Array, asked: Array, sizes: Array, plain: Array, task: tuple[int, ...] | None = None
+) -> Problem:
     """The problem from what can be pickled of it."""
-    return Problem(matrix, target, asked, sizes, plain, as_array(matrix)[1])
+    return Problem(matrix, target, asked, sizes, plain, as_array(matrix)[1], task)
 
 
-def read_problem(J: Any, twist: Any, length: float) -> Problem:
-    """The arrays of a Jacobian and a twist.
+def read_problem(J: Any, twist: Any, length: float, task: Any = None) -> Problem:
+    """The arrays of a Jacobian and a twist, its components outside the task free.
 
     Raises:
-        ArrayTypeError: KS302. ConfigurationError: KS301 infinite, KS303 shapes. FrameMismatchError: KS330.
+        ArrayTypeError: KS302. ConfigurationError: KS301 infinite, KS303 shapes, KS351 a task that a bare array has not.
+        FrameMismatchError: KS330. UnknownNameError: KS318.
     """
     matrix, of_J = _read_jacobian(J)
     target, of_twist = _read_twist(twist, J)
@@ -81,6 +87,9 @@ def read_problem(J: Any, twist: Any, length: float) -> Problem:
         raise ConfigurationError("KS303", f"the twist has shape {tuple(target.shape)}, the Jacobian {rows} rows", hint)
     if matrix.ndim > 2 and target.ndim > 1:
         check_batches("the Jacobian", matrix.shape[:-2], "the twist", target.shape[:-1])
+    counted = None if task is None else task_rows(J, task, rows)
+    if counted is not None and len(counted) < rows:
+        target = _free_outside(target, counted, xp)
     plain, whole = matrix, False
     if xp.name == "numpy":
         whole = _checked_values(matrix, target)
@@ -96,7 +105,15 @@ def read_problem(J: Any, twist: Any, length: float) -> Problem:
     if size != 1.0 and rows == 6:
         weights = xp.constant(sizes, matrix)
         matrix, target = weights[:, None] * matrix, weights * target
-    return Problem(matrix, target, asked, sizes, plain, xp)
+    return Problem(matrix, target, asked, sizes, plain, xp, counted)
+
+
+def _free_outside(target: Array, counted: tuple[int, ...], xp: Namespace) -> Array:
+    """The target with NaN outside the rows that count."""
+    inside = np.isin(np.arange(target.shape[-1]), counted)
+    if xp.name in ("numpy", "sympy"):
+        return np.where(inside, target, np.nan)
+    return target + xp.constant(np.where(inside, 0.0, np.nan), target)  # NaN in every library, and under jit
 
 
 def _without_free_rows(matrix: Array, target: Array, xp: Namespace) -> tuple[Array, Array, Array]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..errors import ArrayTypeError, ConfigurationError
 from ..namespaces import Array
-from ..quantities import Jacobian, Twist, format_number, numeric, plain
+from ..quantities import TIED, Jacobian, Twist, format_number, numeric, plain
 from ..screws_in_words import describe_lost_twist
 from ..spatial import rotate
 from ..statics import decompose
@@ -18,7 +18,7 @@ from .limits import RateLimits
 from .metric import Metric
 from .problem import Problem, read_rates
 from .spectral import Spectrum, inverse_gain, spectrum
-from .text import described, joint_units
+from .text import described, joint_units, row_names
 
 _AT_LIMIT = 1e-9  # relative to 1 + |bound|
 
@@ -32,7 +32,7 @@ class JointRates:
     Attributes:
         array: (..., n) joint rates [rad/s or m/s].
         method: "pseudoinverse", "weighted", "damped", "adaptive", "qr" or "qp".
-        jacobian, twist: as given; NaN in the twist is a component that is free.
+        jacobian, twist: as given; NaN in the twist, and what lies outside `task`, is a component that is free.
         tolerance: singular values below this fraction of the largest count as zero.
         length: a twist's size is |(v, length · ω)| [m].
         damping: λ; for "adaptive" one for each singular value (..., k); None where nothing is damped.
@@ -78,6 +78,15 @@ class JointRates:
         if isinstance(self.jacobian, Jacobian):
             return self.jacobian.joint_names
         return tuple(f"q{k + 1}" for k in range(self.problem.n))
+
+    @property
+    def task(self) -> tuple[str, ...] | None:
+        """Names of the rows that the task asks for; "row 1" ... of a bare array; None where it is all of them."""
+        rows = self.problem.task
+        if rows is None:
+            return None
+        names = row_names(isinstance(self.jacobian, Jacobian), len(self.problem.sizes))
+        return tuple(names[row].replace(TIED, " ") for row in rows)
 
     @cached_property
     def _spectrum(self) -> Spectrum:
@@ -215,6 +224,7 @@ class JointRates:
         return {
             "method": self.method,
             "joint_names": list(self.joint_names),
+            "task": None if self.task is None else list(self.task),
             "rates": np.asarray(self).tolist(),
             "reachable": self.reachable.tolist(),
             "rank": self.rank.tolist(),

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..namespaces import Array
-from ..quantities import TIED, Jacobian, Twist, format_number, numeric, table, wrapped
+from ..quantities import TIED, Jacobian, Twist, format_number, named_table, numeric, wrapped
 from ..spatial import ROW_NAMES
-from ..tasks import model_of, prismatic_columns
+from ..tasks import model_of, prismatic_columns, task_of
 
 if TYPE_CHECKING:
     from .result import JointRates
@@ -25,7 +25,7 @@ def joint_units(J: Any, n: int) -> tuple[str, ...]:
 def rates_table(names: tuple[str, ...], rates: Array, units: tuple[str, ...]) -> str:
     """One line a joint."""
     rows = [[f"  {name}", format_number(x), unit] for name, x, unit in zip(names, rates, units, strict=True)]
-    return table(rows) if rows else "  (no joints)"
+    return named_table(rows, "joints") if rows else "  (no joints)"
 
 
 def described(found: JointRates) -> str:
@@ -36,16 +36,31 @@ def described(found: JointRates) -> str:
     rates = found.array if symbolic else np.asarray(found)
     names, units = found.joint_names, joint_units(found.jacobian, len(rates))
     lines = [f"joint rates by {found.method}{_how(found)}", rates_table(names, rates, units)]
+    if found.task is not None:
+        lines.append(wrapped("task: ", f"{', '.join(found.task)}; the rest is free"))
     if symbolic:
         return "\n".join(lines)
     lines.append(wrapped("", found.reason, hang=2))
     if not found.reachable and np.all(found.problem.asked):
-        lines.append(wrapped("hint: ", "a component given as NaN is free, and left out"))
+        lines.append(wrapped("hint: ", _hint(found.jacobian)))
     lines.append(wrapped("achieved: ", _components(found.achieved, np.ones(len(found.problem.sizes), dtype=bool))))
     residual = np.asarray(found.residual)
     if np.abs(residual).max(initial=0.0) > 1e-12 * (1.0 + np.abs(numeric(found.problem.target)).max(initial=0.0)):
         lines.append(wrapped("residual: ", _components(found.residual, numeric(found.problem.asked))))
     return "\n".join(lines + _about_limits(found))
+
+
+def _hint(J: Any) -> str:
+    """What to do about a twist that asks for too much."""
+    free = "a component given as NaN is free, and left out"
+    if not isinstance(J, Jacobian) or len(auto := task_of(J).row_names) == len(ROW_NAMES):
+        return free
+    return f"task='auto' asks only for what this arm can do, {', '.join(auto) or 'nothing'}; {free}"
+
+
+def row_names(typed: bool, count: int) -> tuple[str, ...]:
+    """(count) "vx", ... of a Jacobian or Twist, "row 1", ... of a bare array."""
+    return ROW_NAMES if typed else tuple(f"row{TIED}{k + 1}" for k in range(count))
 
 
 def _how(found: JointRates) -> str:
@@ -60,7 +75,7 @@ def _how(found: JointRates) -> str:
 
 def _components(value: Any, shown: Array) -> str:
     array = np.asarray(value)
-    names = ROW_NAMES if isinstance(value, Twist) else tuple(f"row{TIED}{k + 1}" for k in range(len(array)))
+    names = row_names(isinstance(value, Twist), len(array))
     told = [f"{name}{TIED}{format_number(x)}" for name, x, yes in zip(names, array, shown, strict=True) if yes]
     return ", ".join(told) or "nothing is asked"
 

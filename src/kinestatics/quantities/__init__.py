@@ -8,7 +8,7 @@ from .arrays import check_batches, checked_poses, in_one_library, numeric, plain
 from .frozen import Frozen
 from .jacobians import Hessian, Jacobian, JacobianMatrix, JacobianRate, Locate, seen_from
 from .poses import Pose
-from .printing import TIED, WIDTH, format_number, largest, table, wrapped
+from .printing import TIED, WIDTH, format_number, largest, named_table, numbered, table, wrapped
 from .six_vectors import (
     Acceleration,
     SixVector,
@@ -40,6 +40,8 @@ __all__ = [
     "gains_terms",
     "in_one_library",
     "largest",
+    "named_table",
+    "numbered",
     "numeric",
     "plain",
     "require_one_frame",

@@ -13,7 +13,7 @@ from ..namespaces import Array, Namespace, as_array
 from ..spatial import ANGULAR, LINEAR, ROW_NAMES, change_twist_frame, rotate, transpose
 from .arrays import check_batches, numeric, reordered
 from .frozen import Frozen, set_once
-from .printing import TIED, WIDTH, format_number, largest, table, wrapped
+from .printing import WIDTH, format_number, largest, numbered, table, wrapped
 from .six_vectors import Twist
 
 
@@ -215,8 +215,7 @@ class Jacobian(JacobianMatrix):
         if not self.joint_names or len(named.partition("\n")[0]) <= WIDTH:
             return f"{head}\n{named}"
         numbers = [str(k + 1) for k in range(len(self.joint_names))]  # the names would make the table too wide
-        names = ", ".join(f"{k}{TIED}{name}" for k, name in zip(numbers, self.joint_names, strict=True))
-        return f"{head}\n{table([['', *numbers], *rows])}\n{wrapped('joints: ', names)}"
+        return f"{head}\n{table([['', *numbers], *rows])}\n{numbered('joints', self.joint_names)}"
 
 
 class JacobianRate(JacobianMatrix):

@@ -11,7 +11,7 @@ from ..namespaces import Array
 from ..spatial import rotation_to_rpy, split_pose
 from .arrays import numeric
 from .frozen import Frozen, set_once
-from .printing import format_number, table
+from .printing import format_number, table, wrapped
 
 
 class Pose(Frozen):
@@ -64,4 +64,4 @@ class Pose(Frozen):
         if self.array.ndim > 2:
             return repr(self)
         rows = [[""] + [format_number(x) for x in row] for row in numeric(self.array)[:-1]]
-        return f"pose of {self.link} seen from {self.seen_from} [m]\n" + table(rows)
+        return wrapped("", f"pose of {self.link} seen from {self.seen_from} [m]", hang=2) + "\n" + table(rows)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -53,10 +54,35 @@ def table(rows: list[list[str]]) -> str:
     return "\n".join(lines)
 
 
+def named_table(rows: list[list[str]], what: str) -> str:
+    """A table whose first cells are names, or nothing; where it would be too wide, numbers, and the names below.
+
+    `what` is the word before the names, such as "joints".
+    """
+    text = table(rows)
+    if all(len(line) <= WIDTH for line in text.splitlines()):
+        return text
+    names = [row[0].strip() for row in rows if row[0].strip()]
+    places = iter(range(1, len(names) + 1))
+    short = [[row[0].replace(name, str(next(places))) if (name := row[0].strip()) else "", *row[1:]] for row in rows]
+    return f"{table(short)}\n{numbered(what, names)}"
+
+
+def numbered(what: str, names: Sequence[str]) -> str:
+    """The names behind their numbers, as in "joints: 1 shoulder, 2 elbow"."""
+    return wrapped(f"{what}: ", ", ".join(f"{k + 1}{TIED}{name}" for k, name in enumerate(names)))
+
+
 def wrapped(label: str, text: str, hang: int = 0) -> str:
-    """The text behind a label, its further lines indented; names are never broken, nor lines at a tied space."""
+    """The text behind a label, its further lines indented; names are never broken, nor lines at a tied space.
+
+    What is tied and longer than a line is broken all the same.
+    """
     indent = " " * (len(label) + hang)
+    room = WIDTH - max(len(label), len(indent))
+    words = [word if len(word) <= room else word.replace(TIED, " ") for word in text.split(" ")]
+    fitted = " ".join(words)
     filled = textwrap.fill(
-        text, WIDTH, initial_indent=label, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False
+        fitted, WIDTH, initial_indent=label, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False
     )
     return filled.replace(TIED, " ")

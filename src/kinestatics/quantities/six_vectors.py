@@ -27,7 +27,7 @@ from ..spatial import (
 from .arrays import check_batches, checked_poses, in_one_library, numeric, owned, plain, reordered, six_of_halves
 from .frozen import Frozen, set_once
 from .poses import Pose
-from .printing import format_number
+from .printing import TIED, WIDTH, format_number, wrapped
 
 ONE_FRAME: Final = (
     "rewrite one: ks.change_frame(arm, q, it, frame) looks both frames up, 'base' and 'tip' too; "
@@ -80,10 +80,13 @@ class SixVector(Frozen):
         return f"<{type(self).__name__} {self.array.tolist()}, {self.frame}>"
 
     def __str__(self) -> str:
+        name, where = f"{type(self).__name__} ", str(self.frame)
         if self.array.ndim > 1:
-            return f"{type(self).__name__} {tuple(self.array.shape)}, {self.frame}"
-        values = ", ".join(f"{name} {format_number(x)}" for name, x in zip(self._names, numeric(self.array), strict=True))
-        return f"{type(self).__name__} ({values}) [{self._units[0]}, {self._units[1]}], {self.frame}"
+            return wrapped("", f"{name}{tuple(self.array.shape)}, {where}", hang=len(name))
+        cells = [f"{row}{TIED}{format_number(x)}" for row, x in zip(self._names, numeric(self.array), strict=True)]
+        text = f"({', '.join(cells)}) [{self._units[0]}, {self._units[1]}],"
+        line = f"{name}{text} {where}".replace(TIED, " ")
+        return line if len(line) <= WIDTH else f"{wrapped(name, text)}\n{wrapped(' ' * len(name), where)}"
 
     def __neg__(self) -> Self:
         return self.with_array(-self.array)
@@ -210,7 +213,8 @@ class Twist(SixVector):
         >>> Twist.of(linear=(1, 0, 0)).angular
         array([0., 0., 0.])
         >>> print(Twist.of(linear=(1, 0, 0)) + 2 * Twist.of(angular=(0, 0, 1)))
-        Twist (vx 1, vy 0, vz 0, wx 0, wy 0, wz 2) [m/s, rad/s], axes of base, at the origin of tip
+        Twist (vx 1, vy 0, vz 0, wx 0, wy 0, wz 2) [m/s, rad/s],
+              axes of base, at the origin of tip
     """
 
     __slots__ = ()

@@ -58,7 +58,7 @@ def joint_limits(model: RobotModel, given: Limits, what: str) -> JointLimits:
     if given is None:
         return JointLimits(-own, np.array(own), np.zeros(model.n, dtype=bool), what)
     if isinstance(given, Mapping):
-        lower, upper = _named(model, given, own, what)
+        lower, upper = named_limits(model, given, own, what)
         mask = np.isin(model.joint_names, list(given))
     else:
         mask = np.ones(model.n, dtype=bool)
@@ -78,7 +78,12 @@ def _numbers(values: Any) -> Array:
         return np.full(1, np.nan)
 
 
-def _named(model: RobotModel, given: Mapping[str, Any], own: Array, what: str) -> tuple[Array, Array]:
+def named_limits(model: RobotModel, given: Mapping[str, Any], own: Array, what: str) -> tuple[Array, Array]:
+    """(n) lower and upper limits from {joint: size} or {joint: (lower, upper)}; -own and own (n) for joints not named.
+
+    Raises:
+        UnknownNameError: KS313. ConfigurationError: KS303 where a value is not one or two numbers.
+    """
     lower, upper = -own, np.array(own)
     for name, value in given.items():
         if name not in model.joint_names:

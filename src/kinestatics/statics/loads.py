@@ -10,14 +10,14 @@ import numpy as np
 from .. import definition
 from .._kernels import STANDARD_GRAVITY
 from ..definition import JointPoses
-from ..errors import ArrayTypeError, ConfigurationError
+from ..errors import ArrayTypeError
 from ..frames import TIP, Frame
 from ..kinematics import configuration, jacobian, named_frame, require_model
 from ..model import RobotModel
 from ..namespaces import Array, Namespace
 from ..quantities import Wrench, check_batches, in_one_library
 from .gravity import checked_gravity, gravity_torques, missing_masses
-from .torques import joint_torques
+from .torques import joint_torques, require_finite
 
 Loads = Wrench | Mapping[str, Wrench | Sequence[Wrench]] | Sequence[Wrench] | Sequence[tuple[str, Wrench]] | None
 """A wrench or several at the tip, {link: wrench or wrenches}, [(link, wrench), ...], or none.
@@ -148,10 +148,7 @@ def _load(model: RobotModel, name: Any, wrench: Any) -> Load:
         hint = "Wrench.on_robot(force=...) for a load, Wrench.on_environment(...) for a push"
         raise ArrayTypeError("KS302", f"the load on {name!r} is a {type(wrench).__name__}; expected a Wrench", hint)
     link = model.link(name)
-    numbers = isinstance(wrench.array, np.ndarray) and wrench.array.dtype != object
-    if numbers and not np.all(np.abs(wrench.array) < _LARGEST):
-        hint = f"finite forces and moments, below {_LARGEST:g}"
-        raise ConfigurationError("KS301", f"the load on {name!r} is not finite: {wrench}", hint)
+    require_finite(wrench.array, f"the load on {name!r}", _LARGEST)
     default = Frame()
     frame = wrench.frame
     if isinstance(frame, Frame) and (frame.axes, frame.origin) == (default.axes, default.origin):
