@@ -1,9 +1,10 @@
 """How do I draw an arm, what it can do and what it must hold?
 
 One call, one picture, at true scale and ready for a paper: the arm at a posture, the ellipsoids and polytopes of its tip,
-the directions it has lost, the loads and the torques that hold them, or all of it on one page. A velocity ellipsoid has the
-singular values for radii, the force ellipsoid their reciprocals along the same axes; where a posture is singular the one is
-flat and the other has no end, and the picture shows it. Name a folder on the command line to have the pictures there.
+the directions it has lost, the loads and the torques that hold them, a measure along a motion, or a posture on one page. A
+velocity ellipsoid has the singular values for radii, the force ellipsoid their reciprocals along the same axes; where a
+posture is singular the one is flat and the other has no end, and the picture shows it. Name a folder on the command line to
+have the pictures there.
 
 Law: what is drawn is what was computed. Every point of the two ellipses, less the tip and divided by the stated scale, is a
 velocity of joint speeds |q̇| = 1, or a force of torques |τ| = 1.
@@ -50,6 +51,10 @@ load = ks.Wrench.on_robot(force=(0, 0, -50))
 keep("load", ks.plots.load(ur5e, None, load))
 bars = ks.plots.torque_bars(ur5e, None, load)
 keep("torques", bars)
+
+motion = np.linspace([0.4, 2.2], [0.1, -0.5], 40)  # a motion that straightens the elbow and bends it the other way
+along = ks.plots.measure_along(planar, motion, times=np.linspace(0.0, 2.0, 40))
+keep("measure_along", along)
 keep("page", ks.plots.analysis(ks.analyze(ur5e, ur5e.home, load)))
 
 J, tip = ks.jacobian(planar, bent).array[:2], ks.pose(planar, bent).translation[:2]
@@ -67,3 +72,7 @@ assert abs(reach[0] * reach[1] - 1) < 1e-2  # the curves are drawn through point
 
 drawn = sum(np.array([bar.get_width() for bar in part]) for part in bars.containers)
 np.testing.assert_allclose(drawn, ks.analyze(ur5e, ur5e.home, load).holding_torques, atol=1e-12)
+
+curve, least = along.lines[0].get_ydata(), along.lines[1].get_ydata()[0]
+np.testing.assert_allclose(curve, ks.manipulability(ks.jacobian(planar, motion)), atol=1e-12)
+assert least == curve.min()

@@ -10,19 +10,37 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 from matplotlib import pyplot as plt
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.text import Text
+from mpl_toolkits.mplot3d import proj3d
 
 import kinestatics as ks
 from kinestatics import plots
 from kinestatics.plots import style
-from kinestatics.plots.artists import FlatArrow, SpaceArrow, SpaceFaces, SpaceLines, SpaceSolid, arrow_outline, hull
+from kinestatics.plots.artists import (
+    FlatArrow,
+    FlatLeader,
+    SpaceArrow,
+    SpaceFaces,
+    SpaceLeader,
+    SpaceLines,
+    SpaceSolid,
+    arrow_outline,
+    hull,
+)
 from kinestatics.plots.bodies import ellipsoid_body, polytope_body
+from kinestatics.plots.boxes import Surroundings, Wanted, boxes_about, lengths_inside, spread
 from kinestatics.plots.skeleton import plane_of, skeleton
-from kinestatics.plots.words import spread
+from kinestatics.plots.words import merged, places
 from strategies import features
 
 mpl.use("Agg")
 
+NAMED = (
+    "elbow_rrr", "gen3", "iiwa_14", "irb_140", "panda", "planar_2r", "planar_3r", "puma_560", "scara", "stanford_arm",
+    "ur3e", "ur5e",
+)  # fmt: skip
 BENT, STRAIGHT = [0.4, 0.9], [0.4, 0.0]
 Q = {"ur5e": [0.3, -1.2, 1.4, 0.2, 0.5, 0.1], "panda": None, "scara": None}
 BLUE, ORANGE = mpl.colors.to_rgba(style.VELOCITY), mpl.colors.to_rgba(style.FORCE)
@@ -188,21 +206,130 @@ def test_an_arm_is_drawn_whole_at_true_scale_inside_the_paper(name):
         assert paper.y0 <= box.y0 <= box.y1 <= paper.y1
 
 
-def test_names_do_not_cover_each_other():
-    """Six long names on a column's width."""
-    ax = plots.arm(ks.load("ur5e"), labels=True)
-    ax.figure.canvas.draw()
-    names = {text.get_text() for text in ax.texts}
-    assert set(ks.load("ur5e").joint_names) <= names
+def words_on_paper(ax, monkeypatch):
+    """(text, x0, y0, x1, y1) of all words of axes, taken down by matplotlib's own renderer while it draws them."""
+    drawn, draw = [], Text.draw
 
-    rng = np.random.default_rng(3)
-    for _ in range(20):
-        sizes, joints = [(60.0, 10.0)] * 5, rng.uniform(100, 300, (5, 2))
-        middles = spread(sizes, joints, joints, np.array([[0.0, 0.0], [400.0, 400.0]]), 1.0)
-        for i in range(5):
-            for j in range(i):
-                apart = np.abs(middles[i] - middles[j])
-                assert apart[0] >= 60 - 1e-9 or apart[1] >= 10 - 1e-9
+    def noted(self, renderer):
+        if self in ax.texts and self.get_text():
+            drawn.append((self.get_text(), *self.get_window_extent(renderer).extents))
+        draw(self, renderer)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Text, "draw", noted)
+        FigureCanvasAgg(ax.figure).draw()
+    return drawn
+
+
+def links_on_paper(ax):
+    """(k, 2) points in pixels along the links and rods."""
+    steps = np.linspace(0.0, 1.0, 200)[:, None]
+    if ax.name == "3d":
+        lines = [line for color in (style.LINK, style.EDGE) for line in lines_of(ax, mpl.colors.to_rgba(color))]
+        lines = [np.stack(proj3d.proj_transform(*line.T, ax.M)[:2], -1) for line in lines]
+    else:
+        lines = [line.get_xydata() for line in ax.lines if line.get_color() == style.LINK]
+    return ax.transData.transform(np.concatenate([a + steps * (b - a) for a, b in lines]))
+
+
+POSTURES = ("home", 1, 2)
+
+
+@pytest.mark.parametrize("name", NAMED)
+def test_names_cover_neither_each_other_nor_the_arm(name, monkeypatch):
+    """No two words share any paper, none lies on a link, all lie inside the figure: at home in a new figure of a column's
+    width, at two random postures in axes of one's own, as wide."""
+    model = ks.load(name)
+    for posture in POSTURES:
+        q = None if posture == "home" else np.random.default_rng(posture).uniform(-2.5, 2.5, model.n)
+        kind = None if plane_of(model) is not None else "3d"
+        own = None if q is None else Figure((3.35, 3.35)).add_subplot(projection=kind)
+        ax = plots.arm(model, q, labels=True, ax=own)
+        words = words_on_paper(ax, monkeypatch)
+        boxes = np.array([box for _, *box in words])
+        width, height = ax.figure.bbox.size
+        assert boxes[:, :2].min() >= 0
+        assert boxes[:, 2].max() <= width
+        assert boxes[:, 3].max() <= height
+        for k, a in enumerate(boxes):
+            for b in boxes[:k]:
+                assert a[0] >= b[2] or b[0] >= a[2] or a[1] >= b[3] or b[1] >= a[3], (name, posture, words)
+        points, names = links_on_paper(ax), [box for word, *box in words if word not in "xyz"]
+        for x0, y0, x1, y1 in names:
+            under = np.all((points > (x0, y0)) & (points < (x1, y1)), axis=1)
+            assert not np.any(under), (name, posture)
+        text = " ".join(word for word, *_ in words)
+        assert 1 <= len(names) <= model.n
+        assert all(joint in text for joint in model.joint_names if not joint[-1].isdigit())
+
+
+def test_joints_at_one_place_have_one_name():
+    """The wrist of the Stanford arm is a point; joints that are apart keep their names; what does not count is listed."""
+    ax = plots.arm(ks.load("stanford_arm"), labels=True, frames=False)
+    assert [text.get_text() for text in ax.texts] == ["joint1", "joint2, 3", "joint4\N{EN DASH}6"]
+    ax = plots.arm(ks.load("ur5e"), labels=True, frames=False)
+    assert ax.texts[0].get_text() == "shoulder_pan_joint,\nshoulder_lift_joint"
+    assert merged(["4", "5", "6", "8"]) == "4\N{EN DASH}6, 8"
+    assert merged(["a1", "b2"]) == "a1, b2"
+    assert merged(["one"]) == "one"
+    assert merged(["7", "7"]) == "7"
+    assert merged(["$q_1$", "$q_2$"]) == "$q_1$, $q_2$"
+    assert places(np.array([[0.0, 0.0], [9.0, 0.0], [0.5, 0.5]]), 1.0) == [[0, 2], [1]]
+
+
+@pytest.mark.parametrize("dpi", [72, 300])
+def test_leader_lines_join_names_to_joints(dpi, monkeypatch):
+    """Names pushed out by others have a thin line from the joint to their rim, at any resolution."""
+    arm = ks.from_dh([(1.0, 0, 0, 0), *[(0.04, 0, 0, 0)] * 5], convention="standard")
+    q = [0.3, *[0.9] * 5]
+    ax = plots.arm(arm, q, labels=[f"a_joint_with_a_long_name_{k}" for k in "abcdef"], frames=False)
+    ax.figure.set_dpi(dpi)
+    leaders = [a for a in ax.collections if isinstance(a, FlatLeader)]
+    assert leaders
+    words = words_on_paper(ax, monkeypatch)
+    joints = np.array([joint.point[:2] for joint in skeleton(arm, np.array(q)).joints])
+    for leader in leaders:
+        assert np.linalg.norm(joints - leader.point, axis=1).min() < 1e-12
+        start, end = leader.get_segments()[0]
+        np.testing.assert_allclose(start, ax.transData.transform(leader.point), atol=1e-9)
+        away = [max(x0 - end[0], end[0] - x1, y0 - end[1], end[1] - y1) for _, x0, y0, x1, y1 in words]
+        assert min(abs(distance) for distance in away) < 1.5 * dpi / 72
+    space_leaders = [a for a in plots.arm(ks.load("ur5e"), labels=True).collections if isinstance(a, SpaceLeader)]
+    points = [joint.point for joint in skeleton(ks.load("ur5e"), ks.load("ur5e").home).joints]
+    assert all(min(np.linalg.norm(leader.point - p) for p in points) < 1e-12 for leader in space_leaders)
+
+
+@settings(max_examples=8)
+@given(st.integers(0, 10**6), st.integers(1, 7))
+def test_words_find_room(seed, count):
+    """Words of many sizes around points that may be one and the same: apart, in the room, the same every time."""
+    rng = np.random.default_rng(seed)
+    room = np.array([[0.0, 0.0], [260.0, 240.0]])
+    wanted = [Wanted(np.array([rng.uniform(10, 80), 9.0]), rng.uniform(90, 110, 2)) for _ in range(count)]
+    around = Surroundings(np.array([[[80.0, 120.0], [120.0, 140.0]]]), rng.uniform(0, 240, (6, 2, 2)), room, 1.0)
+    middles = spread(wanted, around)
+    np.testing.assert_array_equal(middles, spread(wanted, around))
+    boxes = np.array([boxes_about(m, w.size) for m, w in zip(middles, wanted, strict=True)])
+    assert boxes.min() >= 0
+    assert np.all(boxes[:, 1] <= room[1])
+    everything = [*boxes, around.boxes[0]]
+    for k, a in enumerate(everything):
+        for b in everything[:k]:
+            assert np.any((a[0] >= b[1]) | (b[0] >= a[1]))
+
+
+@given(st.integers(0, 10**6))
+def test_lengths_inside_a_box(seed):
+    """Against many points along each segment, counted."""
+    rng = np.random.default_rng(seed)
+    box = np.sort(rng.uniform(0, 10, (1, 2, 2)), axis=1)
+    segments = rng.uniform(0, 10, (5, 2, 2))
+    segments[0, 1, 0] = segments[0, 0, 0]  # upright
+    steps = (np.arange(4000) + 0.5)[:, None, None] / 4000
+    points = segments[:, 0] + steps * (segments[:, 1] - segments[:, 0])
+    counted = np.all((points > box[0, 0]) & (points < box[0, 1]), axis=2).mean(0)
+    expected = counted * np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1)
+    np.testing.assert_allclose(lengths_inside(box, segments)[0], expected, atol=0.01)
 
 
 def test_frames_and_labels():
@@ -583,6 +710,138 @@ def test_a_page_of_an_arm_in_space_without_masses():
     assert isinstance(page, Figure)
 
 
+# along a path
+
+
+def curves_of(ax):
+    return [line for line in ax.lines if line.get_gid() == "kinestatics-curve"]
+
+
+def marked(ax, word):
+    """The marks of one entry of the key, (k, 2)."""
+    (line,) = [line for line in ax.lines if str(line.get_label()).startswith(word)]
+    return line.get_xydata()
+
+
+@pytest.mark.parametrize(
+    ("measure", "compute"),
+    [
+        ("manipulability", ks.manipulability),
+        ("sigma_min", ks.smallest_singular_value),
+        ("smallest_singular_value", ks.smallest_singular_value),
+        ("inverse_condition", ks.inverse_condition),
+        ("condition_number", ks.condition_number),
+        ("isotropy", ks.isotropy),
+    ],
+)
+@pytest.mark.parametrize(("name", "task"), [("planar_3r", "auto"), ("ur5e", "position"), ("scara", "position")])
+def test_a_measure_along_a_path_is_the_measure(measure, compute, name, task):
+    """Every point drawn is what the measure says of one posture alone; the worst is marked, once, with its place."""
+    model = ks.load(name)
+    path = model.home + np.random.default_rng(5).normal(size=(23, model.n)).cumsum(axis=0) * 0.2
+    times = np.cumsum(np.linspace(0.1, 0.5, 23))
+    length = ks.characteristic_length(model)
+    options = {"task": task, "length": length}
+    ax = plots.measure_along(model, path, measure, times=times, **options)
+    x, y = curves_of(ax)[0].get_xydata().T
+    np.testing.assert_array_equal(x, times)
+    np.testing.assert_allclose(y, [float(compute(ks.jacobian(model, q), **options)) for q in path], rtol=1e-9)
+    worst = "greatest" if measure == "condition_number" else "least"
+    (mark,) = marked(ax, worst)
+    assert mark[1] == (y.max() if worst == "greatest" else y.min())
+    assert mark[0] == x[list(y).index(mark[1])]
+    assert ax.get_xlabel() == "time [s]"
+    assert "s" in key_of(ax)[1].split(" at t = ")[1]
+
+
+@pytest.mark.parametrize(
+    ("name", "measure", "options", "unit"),
+    [
+        ("planar_2r", "manipulability", {}, " [m$^{2}$]"),
+        ("ur5e", "manipulability", {}, " [m$^{3}$]"),
+        ("ur5e", "manipulability", {"task": "orientation"}, ""),
+        ("ur5e", "manipulability", {"length": 0.5}, " [m$^{6}$]"),
+        ("ur5e", "sigma_min", {"task": "position"}, " [m]"),
+        ("ur5e", "sigma_min", {"task": "orientation"}, ""),
+        ("ur5e", "sigma_min", {"length": 0.5}, " [m]"),
+        ("scara", "sigma_min", {"task": ("vz",)}, ""),
+        ("scara", "sigma_min", {"task": "position"}, " [mixed units]"),
+        ("scara", "sigma_min", {"task": ("vx", "vy")}, " [m]"),
+        ("scara", "manipulability", {"task": "position", "length": 0.5}, " [m$^{3}$]"),
+        ("ur5e", "isotropy", {"length": 0.5}, ""),
+    ],
+)
+def test_units_of_measures(name, measure, options, unit):
+    """The unit on the axis is the power by which the measure grows when the metre is made half as long."""
+    model = ks.load(name)
+    q = model.home + np.linspace(0.1, 0.4, model.n)
+    ax = plots.measure_along(model, [q, q + 0.1], measure, **options)
+    words = ax.get_ylabel()
+    assert words.endswith(unit) if unit else "[" not in words
+    if unit == " [mixed units]":
+        return
+    power = 0 if not unit else int((re.search(r"\d", unit) or ["1"])[0])
+    J = ks.jacobian(model, q)
+    task = ks.find_task(model, options.get("task", "auto"))
+    rows = np.array(task.rows)
+    length, prismatic = options.get("length"), np.array([kind == "prismatic" for kind in model.joint_kinds])
+    found = []
+    for metre in (1.0, 2.0):  # the number that stands for one metre
+        array = J.array[rows].copy()
+        array[rows < 3] *= metre
+        array[:, prismatic] /= metre
+        if length:
+            array[rows >= 3] *= length * metre
+            if not np.all(prismatic):
+                array[:, prismatic] *= length * metre
+        sigma = np.linalg.svd(array, compute_uv=False)[: task.rank]
+        found.append({"manipulability": np.prod(sigma), "sigma_min": sigma[-1], "isotropy": 1.0}[measure])
+    assert found[1] / found[0] == pytest.approx(2.0**power, rel=1e-9)
+
+
+def test_where_the_rank_drops_is_marked():
+    """At a configuration a cross; between two with determinants of different signs a ring, where the arm is straight."""
+    model = ks.load("planar_2r")
+    path = np.linspace([0.2, 1.0], [0.5, -1.0], 21)  # straight at the eleventh
+    ax = plots.measure_along(model, path)
+    np.testing.assert_allclose(marked(ax, "rank drops here"), [[10.0, 0.0]])
+    assert key_of(ax) == ["rows vx, vy", "least: 0 m$^{2}$ at configuration 10", "rank drops here"]
+    path = np.linspace([0.2, 1.0], [0.5, -0.7], 40)
+    ax = plots.measure_along(model, path, times=np.linspace(0.0, 1.7, 40))
+    ((x, _),) = marked(ax, "rank drops between")
+    assert abs(x - 1.0) < 1e-3
+    ax = plots.measure_along(model, path, "condition_number")
+    assert ax.get_yscale() == "log"
+    assert len(marked(ax, "rank drops between")) == 1
+    never = plots.measure_along(model, np.linspace([0.2, 0.5], [0.5, 1.5], 9))
+    redundant = plots.measure_along(ks.load("planar_3r"), np.linspace([0, 0.5, 0.5], [0, -0.4, -0.6], 9), task="position")
+    for axes in (never, redundant):
+        assert not [words for words in key_of(axes) if words.startswith("rank")]
+    infinite = plots.measure_along(model, [BENT, STRAIGHT], "condition_number")
+    assert key_of(infinite)[1] == "greatest: infinite at configuration 1"
+    infinite.figure.draw_without_rendering()
+
+
+def test_curves_share_axes_and_lie_on_the_paper():
+    """A second curve is dashed, the axes grow with it; one configuration is a dot; nothing leaves the figure."""
+    model = ks.load("planar_2r")
+    path = np.linspace([0.0, 0.2], [0.0, 0.4], 9)
+    ax = plots.measure_along(model, path, "inverse_condition", label="low")
+    plots.measure_along(model, path + np.array([0.0, 1.0]), "inverse_condition", label="high", ax=ax)
+    first, second = curves_of(ax)
+    assert (first.get_linestyle(), second.get_linestyle()) == ("-", "--")
+    assert ax.get_ylim()[0] == 0
+    assert ax.get_ylim()[1] > second.get_ydata().max() > first.get_ydata().max()
+    assert [word for word in key_of(ax) if word in ("low", "high")] == ["low", "high"]
+    ax = plots.measure_along(ks.load("scara"), np.zeros((1, 4)) + 0.3, "sigma_min", task="position")
+    assert curves_of(ax)[0].get_marker() == "."
+    ax.figure.canvas.draw()
+    box, paper = ax.get_tightbbox(), ax.figure.bbox.padded(1.0)
+    assert paper.x0 <= box.x0 <= box.x1 <= paper.x1
+    assert paper.y0 <= box.y0 <= box.y1 <= paper.y1
+    assert ax.get_legend().get_window_extent().y0 >= ax.bbox.y1
+
+
 # axes, files, errors
 
 
@@ -653,6 +912,20 @@ def test_arrows_end_where_they_should_in_a_vector_file():
         (lambda: plots.arm(ks.load("planar_2r"), BENT, at="hand"), "KS310"),
         (lambda: plots.velocity_polytope(ks.load("planar_2r"), BENT), "KS366"),
         (lambda: plots.load(ks.load("planar_2r"), BENT, 3.0), "KS302"),
+        (lambda: plots.measure_along(ks.load("planar_2r"), BENT), "KS384"),
+        (lambda: plots.measure_along(ks.load("planar_2r"), [[0.1, 0.2, 0.3]]), "KS384"),
+        (lambda: plots.measure_along(ks.load("planar_2r"), np.zeros((0, 2))), "KS384"),
+        (lambda: plots.measure_along(ks.load("planar_2r"), np.zeros((2, 3, 2))), "KS384"),
+        (lambda: plots.measure_along(ks.load("planar_2r"), [BENT, [0.1, np.nan]]), "KS301"),
+        (lambda: plots.measure_along(ks.load("planar_2r"), [BENT, BENT], times=[0.0]), "KS385"),
+        (lambda: plots.measure_along(ks.load("planar_2r"), [BENT, BENT], times=[1.0, 1.0]), "KS385"),
+        (lambda: plots.measure_along(ks.load("planar_2r"), [BENT, BENT], times="now"), "KS385"),
+        (lambda: plots.measure_along(ks.load("planar_2r"), [BENT], "speed"), "KS386"),
+        (lambda: plots.measure_along(ks.load("planar_2r"), [BENT], task="speed"), "KS318"),
+        (lambda: plots.measure_along(ks.load("planar_2r"), [BENT], at="hand"), "KS310"),
+        (lambda: plots.measure_along(ks.load("planar_2r"), [BENT], ax="here"), "KS302"),
+        (lambda: plots.measure_along(ks.load("ur5e"), [ks.load("ur5e").home], "isotropy"), "KS360"),
+        (lambda: plots.measure_along("ur5e", [BENT]), "KS302"),
     ],
 )
 def test_mistakes_are_named(call, code):

@@ -14,7 +14,7 @@ from ..namespaces import Array
 from .axes import canvas_for
 from .canvas import ARM, BACK, SIGN, Canvas, Flat
 from .skeleton import DrawnJoint, Skeleton, one_configuration, skeleton
-from .style import EDGE, FACE, FRAME, GROUND, LINK, SMALL_SIZE, TEXT
+from .style import EDGE, FACE, FRAME, GROUND, LINK
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -45,6 +45,8 @@ def arm(
         at: link whose frame is drawn.
         frames: "tip" for the frame of `at`; True for those of base and joints too; False for none.
         labels: True or "names" for the joints' names; "numbers" for 1 to n, their columns; or texts, one for each column.
+            Joints at one place of the picture share a label ("joint4-6"); labels keep off each other and off the arm, with
+            a thin line to the joint where they are far from it.
         view: elevation and azimuth of space axes [deg].
 
     Returns:
@@ -124,8 +126,10 @@ def _draw_joint(canvas: Canvas, joint: DrawnJoint, size: float) -> None:
     style: dict[str, Any] = {"facecolor": FACE, "edgecolor": EDGE, "linewidth": 0.8}
     first, second = across(joint.direction)
     radius, half = JOINT * size, 0.5 * WIDE * size
-    for extent in (half * joint.direction, 1.2 * radius * first, 1.2 * radius * second):
-        canvas.avoided.append(np.array([joint.point - extent, joint.point + extent]))
+    extents = half * joint.direction, 1.2 * radius * first, 1.2 * radius * second
+    canvas.avoided += [np.array([joint.point - extent, joint.point + extent]) for extent in extents]
+    if not isinstance(canvas, Flat):
+        canvas.avoided += _edges(joint.point, extents)
     if isinstance(canvas, Flat) and joint.kind != "prismatic":
         canvas.disc(joint.point, ARM + 1, 6.5, markerfacecolor=FACE, markeredgecolor=EDGE, markeredgewidth=0.9)
         return
@@ -141,15 +145,25 @@ def _draw_joint(canvas: Canvas, joint: DrawnJoint, size: float) -> None:
     canvas.solid(np.concatenate(ends), ARM + 1, (range(32), range(32, 64)), **style)
 
 
+def _edges(middle: Array, extents: tuple[Array, ...]) -> list[Array]:
+    """(2, 3) the twelve edges of a box about a point, given half of its extents."""
+    edges = []
+    for k in range(3):
+        others = [extents[j] for j in range(3) if j != k]
+        corners = [middle + a * others[0] + b * others[1] for a in (-1, 1) for b in (-1, 1)]
+        edges += [np.array([corner - extents[k], corner + extents[k]]) for corner in corners]
+    return edges
+
+
 def _draw_frame(canvas: Canvas, R: Array, p: Array, length: float, named: bool) -> None:
     """The axes of a frame: arrows for x, y, z; where one points at the reader of a flat picture, a ring."""
     for k, name in enumerate("xyz"):
         end = p + length * R[:, k]
         canvas.arrow(p, end, SIGN, width=0.9, head=4.5, color=FRAME)
         canvas.hold(end)
-        canvas.avoided.append(np.array([p, p + 1.22 * length * R[:, k]]))
+        canvas.avoided.append(np.array([p, end]))
         if named and not (isinstance(canvas, Flat) and abs(float(R[:, k] @ canvas.normal)) > 0.99):
-            canvas.text(p + 1.22 * length * R[:, k], name, (0.0, 0.0), size=SMALL_SIZE, color=TEXT)
+            canvas.letter(p + 1.22 * length * R[:, k], name)
 
 
 def _flat_ground(canvas: Flat, size: float) -> None:
@@ -164,6 +178,7 @@ def _flat_ground(canvas: Flat, size: float) -> None:
     ]
     canvas.lines([ground], BACK, color=EDGE, linewidth=0.9)
     canvas.lines(strokes, BACK, color=GROUND, linewidth=0.6)
+    canvas.avoided += [*strokes, ground, np.array([foot - wide * right, np.zeros(3), foot + wide * right])]
     canvas.hold(np.array([*ground, *(stroke[1] for stroke in strokes)]))
 
 
@@ -177,4 +192,5 @@ def _space_ground(canvas: Canvas, size: float) -> None:
         low, high = max(-1.0, c - 1.0), min(1.0, c + 1.0)
         strokes.append(half * np.array([[low, c - low, 0], [high, c - high, 0]]))
     canvas.lines(strokes, BACK, color=GROUND, linewidth=0.5)
+    canvas.avoided += [*strokes, square]
     canvas.hold(square)

@@ -124,6 +124,39 @@ class SpaceArrow(PolyCollection):
         return float(seen[:, 2].mean()) - self.layer
 
 
+def _leader_on_paper(leader: Any, place: Array) -> Array:
+    """From a place (2) of the axes of a leader line to its end, in pixels."""
+    start = leader.axes.transData.transform(place)
+    return np.array([start, start + leader.move * leader.axes.figure.dpi / 72])
+
+
+class SpaceLeader(LineCollection):
+    """A line from a point of space to words beside it, `move` (2) [points] on paper."""
+
+    def __init__(self, point: Array, move: Array, layer: float, **style: Any) -> None:
+        self.point, self.move, self.layer = np.asarray(point), np.asarray(move), layer
+        super().__init__([np.zeros((2, 2))], transform=IdentityTransform(), **style)
+
+    def do_3d_projection(self) -> float:
+        """Projects the point and draws the line from it; returns its depth."""
+        seen = projected(self.axes, self.point[None])[0]
+        self.set_segments([_leader_on_paper(self, seen[[0, 1]])])
+        return float(seen[2]) - self.layer
+
+
+class FlatLeader(LineCollection):
+    """The same in the plane: `point` (2) in data coordinates."""
+
+    def __init__(self, point: Array, move: Array, **style: Any) -> None:
+        self.point, self.move = np.asarray(point), np.asarray(move)
+        super().__init__([np.zeros((2, 2))], transform=IdentityTransform(), **style)
+
+    def draw(self, renderer: Any) -> None:
+        """Draws the line from where its point lies on paper now."""
+        self.set_segments([_leader_on_paper(self, self.point)])
+        super().draw(renderer)
+
+
 class FlatArrow(PolyCollection):
     """The same in the plane: `points` (2, 2) in data coordinates."""
 

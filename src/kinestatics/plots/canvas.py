@@ -14,8 +14,8 @@ import numpy as np
 from ..namespaces import Array
 from ..quantities import format_number
 from .layout import draw_key, place_of, settle
-from .style import LABEL_SIZE, SMALL_SIZE, TEXT, TICK_SIZE, round_down
-from .words import between, place_names
+from .style import EDGE, LABEL_SIZE, SMALL_SIZE, TEXT, TICK_SIZE, round_down
+from .words import place_names
 
 BACK, BODY, ARM, SIGN, TOP = 0.0, 10.0, 20.0, 30.0, 40.0
 """Layers, the lower behind the higher; within one, what is farther away is drawn first."""
@@ -41,7 +41,8 @@ class Canvas(ABC):
         self.ax, self.place = ax, place_of(ax)
         self.held: list[Array] = []
         self.names: list[tuple[Any, Array]] = []
-        self.avoided: list[Array] = []
+        self.letters: list[tuple[Any, Array]] = []
+        self.avoided: list[Array] = []  # lines (k, 3) on which no words should lie
 
     @abstractmethod
     def lines(self, lines: Sequence[Array], layer: float, **style: Any) -> None:
@@ -82,6 +83,45 @@ class Canvas(ABC):
     def name(self, point: Array, words: str) -> None:
         """Words that are put beside a point where there is room, once the picture has its place."""
         self.names.append((self.text(point, words, (0.0, 0.0)), point))
+
+    def letter(self, point: Array, word: str) -> None:
+        """A letter at a point, or where there is room near it."""
+        self.letters.append((self.text(point, word, (0.0, 0.0)), point))
+
+    @abstractmethod
+    def paper(self, points: Array) -> Array:
+        """(..., 3) → (..., 2): where points are seen, in what `ax.transData` takes."""
+
+    @abstractmethod
+    def move(self, text: Any, by: Array) -> None:
+        """Moves words on paper [points]."""
+
+    @abstractmethod
+    def leader(self, point: Array, move: Array, **style: Any) -> None:
+        """A line from a point to words beside it."""
+
+    def place_words(self) -> None:
+        """Names and letters to where there is room for them, with leader lines where that is not near."""
+        if not (self.names or self.letters):
+            return
+        joints, ends = (np.array([point for _, point in some]).reshape(-1, 3) for some in (self.names, self.letters))
+        pairs = [np.stack([line[:-1], line[1:]], axis=1) for line in self.avoided]
+        segments = np.concatenate(pairs) if pairs else np.zeros((0, 2, 3))
+        named, lettered = place_names(
+            self.ax,
+            self.place,
+            [text for text, _ in self.names],
+            self.paper(joints),
+            [text for text, _ in self.letters],
+            self.paper(ends),
+            self.paper(segments),
+        )
+        for k, by, line in named:
+            self.move(self.names[k][0], by)
+            if line is not None:
+                self.leader(self.names[k][1], line, color=EDGE, linewidth=0.5)
+        for (text, _), by in zip(self.letters, lettered, strict=True):
+            self.move(text, by)
 
     def extent(self, points: Array) -> tuple[Array, Array, float]:
         """Corners of everything held by these axes, now and before, with a margin; and a step for their numbers."""
@@ -201,13 +241,23 @@ class Flat(Canvas):
         super().finish()
         if self.place.own:
             settle(self.ax, self.place, float(np.clip(0.6 + 2.75 * self.proportion, 1.5, 3.4)))
-        if self.names:
-            self.ax.apply_aspect()
-            joints = self.project(np.array([point for _, point in self.names]))
-            moves = place_names(self.ax, [text for text, _ in self.names], joints, self.project(between(self.avoided)))
-            for (text, _), move in zip(self.names, moves, strict=True):
-                text.set_position(move)
+        self.ax.apply_aspect()
+        self.place_words()
         return self.ax
+
+    def paper(self, points: Array) -> Array:
+        """As `project`."""
+        return self.project(points)
+
+    def move(self, text: Any, by: Array) -> None:
+        """Moves words on paper [points]."""
+        text.set_position((float(by[0]), float(by[1])))
+
+    def leader(self, point: Array, move: Array, **style: Any) -> None:
+        """A line from a point to words beside it."""
+        from .artists import FlatLeader
+
+        self.ax.add_collection(FlatLeader(self.project(point), move, zorder=3 + TOP, **style), autolim=False)
 
 
 def _is_line(corners: Array) -> bool:

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import combinations
 from typing import Any
 
 import numpy as np
 
 from ..errors import ArrayTypeError
 from ..namespaces import Array
-from .style import TEXT, TICK_SIZE
+from .style import TEXT, TICK_SIZE, round_number
 
 TALLEST = 3.3
 """Of a figure of one column [in], its key aside."""
 _PAD = 0.05  # white at the rim of a place [in]
+_ROUNDS, _CLEAR = 9, 1.0  # of moving names and measuring again, at most; white around a name [points]
 _GAP = 3.0  # by which the name of an axis is moved off its numbers, until it clears them [points]
 
 
@@ -26,12 +28,14 @@ class Place:
         rectangle: left, bottom, width, height that they may fill, as shares of the figure.
         alone: whether the figure was made for them, and may be cut to their height.
         held: (2, k) corners of what has been drawn in them [m], or None.
+        step: from number to number of axes of space [m].
     """
 
     own: bool = False
     rectangle: tuple[float, float, float, float] = (0.0, 0.0, 1.0, 1.0)
     alone: bool = False
     held: Array | None = None
+    step: float = 1.0
 
 
 def place_of(ax: Any) -> Place:
@@ -116,9 +120,9 @@ def fill(ax: Any, place: Place, extent: Array) -> None:
     room, above = _rectangle(ax, place), _key_height(ax)
     width, height = room.width, TALLEST * ax.figure.dpi if place.alone else room.height - above
     side, zoom = max(width, height), 1.0
-    for step in range(3):
-        if step:
-            _clear_names(ax)
+    for step in range(_ROUNDS):
+        if step and not (_thin_numbers(ax, place) or _clear_names(ax)) and step > 2:
+            break
         ax.set_box_aspect(extent, zoom=zoom)
         _move(ax, room.x0, room.y0, side, side)
         measure(ax)
@@ -156,17 +160,74 @@ def _seen(ax: Any) -> Any:
     box = ax.transData.transform(projected(ax, corners)[:, [0, 1]])
     boxes = [Bbox([box.min(axis=0), box.max(axis=0)])]
     boxes += [axis.get_tightbbox() for axis in (ax.xaxis, ax.yaxis, ax.zaxis)]
-    for text in ax.texts:  # outside of drawing, matplotlib takes two of their three coordinates for a place on paper
-        place = projected(ax, np.array([text.get_position_3d()]))[0, [0, 1]]
-        moved = text.get_transform().transform(place) - text.get_transform().transform(text.get_position())
-        boxes.append(text.get_window_extent().translated(*moved))
+    boxes += [box_of(ax, text) for text in ax.texts]
     return Bbox.union(boxes)
 
 
-def _clear_names(ax: Any) -> None:
-    """Moves the names of the axes of space farther out where they lie on their numbers."""
-    numbers = [tick.label1.get_window_extent() for axis in (ax.xaxis, ax.yaxis, ax.zaxis) for tick in axis.get_major_ticks()]
+def box_of(ax: Any, text: Any) -> Any:
+    """The rectangle on paper [pixels] of words of axes."""
+    if not hasattr(text, "get_position_3d"):
+        return text.get_window_extent()
+    from .artists import projected
+
+    # outside of drawing, matplotlib takes two of their three coordinates for a place on paper
+    place = projected(ax, np.array([text.get_position_3d()]))[0, [0, 1]]
+    moved = text.get_transform().transform(place) - text.get_transform().transform(text.get_position())
+    return text.get_window_extent().translated(*moved)
+
+
+def fixed_boxes(ax: Any, moving: set[Any]) -> Array:
+    """(b, 2, 2) rectangles on paper [pixels] of numbers, names, key and words of axes, but for those that are moved."""
+    axes = list(ax._axis_map.values())
+    found = _numbers(ax) + [label.get_window_extent() for label in (ax.title, *(axis.label for axis in axes))]
+    found += [box_of(ax, text) for text in ax.texts if text not in moving]
+    if (key := ax.get_legend()) is not None:
+        found.append(key.get_window_extent())
+    return np.array([box.get_points() for box in found if box.width > 0]).reshape(-1, 2, 2)
+
+
+def room_of(ax: Any, place: Place) -> Array:
+    """(2, 2) rectangle on paper [pixels] for words: the place of axes made here, else the axes, inside the figure."""
+    from matplotlib.transforms import Bbox
+
+    inner = _rectangle(ax, place) if place.own else ax.bbox
+    whole = ax.figure.figure.bbox
+    room = Bbox.intersection(inner, whole.padded(-_PAD * ax.figure.dpi)) or whole
+    return np.asarray(room.get_points())
+
+
+def _numbers(ax: Any) -> list[Any]:
+    """The rectangles on paper [pixels] of the numbers that are seen; of axes of space, as they were last measured."""
+    found = []
+    for axis in ax._axis_map.values():
+        if ax.name != "3d":
+            axis.get_ticklabels()  # finds their places; in space it would lose them
+        lower, upper = sorted(axis.get_view_interval())
+        rim = 1e-9 * (upper - lower)
+        ticks = [tick for tick in axis.get_major_ticks() if lower - rim <= tick.get_loc() <= upper + rim]
+        found += [tick.label1.get_window_extent() for tick in ticks if tick.label1.get_text()]
+    return found
+
+
+def _thin_numbers(ax: Any, place: Place) -> bool:
+    """Makes the numbers of the axes of space fewer where two of them touch; whether they were."""
+    from matplotlib.ticker import MultipleLocator
+
+    boxes = [box.padded(_CLEAR * ax.figure.dpi / 72) for box in _numbers(ax)]
+    if not any(a.overlaps(b) for a, b in combinations(boxes, 2)):
+        return False
+    place.step = round_number(2.2 * place.step)  # from 1 to 2 to 5 to 10
     for axis in (ax.xaxis, ax.yaxis, ax.zaxis):
-        name = axis.label.get_window_extent()
-        if any(name.overlaps(number) for number in numbers if number.width):
+        axis.set_major_locator(MultipleLocator(place.step))
+    return True
+
+
+def _clear_names(ax: Any) -> bool:
+    """Moves the names of the axes of space farther out where they lie on their numbers; whether any was moved."""
+    numbers, moved = _numbers(ax), False
+    for axis in (ax.xaxis, ax.yaxis, ax.zaxis):
+        name = axis.label.get_window_extent().padded(_CLEAR * ax.figure.dpi / 72)
+        if any(name.overlaps(number) for number in numbers):
             axis.labelpad += _GAP
+            moved = True
+    return moved

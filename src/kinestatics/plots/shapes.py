@@ -18,6 +18,7 @@ from .style import FORCE, VELOCITY, round_number, with_unit
 
 _SHOWN, _SHOWN_BESIDE = 0.33, 0.2
 """Length at which the farthest point is drawn, as a share of the arm's size; and beside a direction without end."""
+_COARSE = 4  # of the points of a curve: enough to keep words off it
 _CUT = 0.3
 """Length at which a direction without end is cut, as a share of the arm's size."""
 
@@ -71,6 +72,7 @@ def draw_body(canvas: Canvas, bones: Skeleton, body: Body, lift: Array, metres: 
     if body.faces:
         canvas.faces([placed(face) for face in body.faces], BODY, facecolor="none", edgecolor=color, linewidth=0.8)
     canvas.lines([placed(line) for line in body.lines], BODY, color=color, linewidth=0.9)
+    canvas.avoided += [placed(line[:: _COARSE if len(line) > 2 else 1]) for line in (*body.lines, *body.faces)]
     for line in body.fading:
         start, end = placed(line)
         canvas.lines([np.array([start, end])], BODY, color=color, linewidth=0.9, linestyle=(0, (2.0, 1.6)))

@@ -8,20 +8,20 @@ from typing import Any
 import numpy as np
 
 from ..namespaces import Array
-from .canvas import WORDS, Canvas, halo
+from .canvas import TOP, WORDS, Canvas, halo
 from .layout import fill, measure
 from .style import GRID, LABEL_SIZE, SMALL_SIZE, TEXT, TICK_SIZE
-from .words import between, place_names
 
 
 class Space(Canvas):
     """Axes of three dimensions."""
 
-    dimensions, numbers = 3, 2.0
+    dimensions = 3
     box: Array
 
     def __init__(self, ax: Any) -> None:
         super().__init__(ax)
+        self.numbers = 3.0 if self.place.own else 2.0  # where we lay out the axes, numbers that touch are made fewer
         if not self.place.own and self.place.held is None and ax.has_data():  # somebody's picture stays in sight
             self.place.held = np.array([ax.get_xlim(), ax.get_ylim(), ax.get_zlim()]).T
 
@@ -86,12 +86,13 @@ class Space(Canvas):
         """Thin grey axes with few numbers, at the same step on each."""
         from matplotlib.ticker import MultipleLocator
 
+        self.place.step = step
         for name, axis in zip("xyz", (self.ax.xaxis, self.ax.yaxis, self.ax.zaxis), strict=True):
             axis.set_label_text(f"{name} [m]", fontsize=LABEL_SIZE, color=TEXT)
             axis.set_major_locator(MultipleLocator(step))
             if self.place.own:
                 axis.labelpad = -5.0
-                axis.set_tick_params(labelsize=TICK_SIZE, pad=-2.5, colors=TEXT)
+                axis.set_tick_params(labelsize=TICK_SIZE, pad=0.5 if name == "z" else -2.5, colors=TEXT)
                 axis.set_pane_color((1.0, 1.0, 1.0, 0.0))
                 axis.pane.set_edgecolor(GRID)
                 axis.line.set(color=GRID, linewidth=0.6)
@@ -103,18 +104,25 @@ class Space(Canvas):
         super().finish()
         if self.place.own:
             fill(self.ax, self.place, self.box)
-        if self.names:
-            self._place_names()
+        if self.names or self.letters:
+            measure(self.ax)
+            self.place_words()
         return self.ax
 
-    def _place_names(self) -> None:
+    def paper(self, points: Array) -> Array:
+        """Where points are seen."""
         from .artists import projected
 
-        measure(self.ax)
-        seen, lines = (
-            projected(self.ax, points)[:, [0, 1]]
-            for points in (np.array([point for _, point in self.names]), between(self.avoided))
-        )
-        moves = place_names(self.ax, [text for text, _ in self.names], seen, lines)
-        for (text, _), move in zip(self.names, moves, strict=True):
-            text.set_transform(self._moved(move))
+        flat = projected(self.ax, np.asarray(points, dtype=float).reshape(-1, 3))[:, [0, 1]]
+        return flat.reshape(*points.shape[:-1], 2)
+
+    def move(self, text: Any, by: Array) -> None:
+        """Moves words on paper [points]."""
+        text.set_transform(self._moved((float(by[0]), float(by[1]))))
+
+    def leader(self, point: Array, move: Array, **style: Any) -> None:
+        """A line from a point to words beside it."""
+        from .artists import SpaceLeader
+
+        named = {"color": "colors", "linewidth": "linewidths"}
+        self._add(SpaceLeader(point, move, TOP, **{named.get(name, name): value for name, value in style.items()}))

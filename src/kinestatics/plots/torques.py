@@ -13,7 +13,6 @@ from ..frames import TIP
 from ..kinematics import pose
 from ..model import RobotModel
 from ..namespaces import Array
-from ..quantities import format_number
 from ..spatial import ANGULAR, LINEAR
 from ..statics import Load, Loads, applied_loads, gravity_torques, holding_torques, missing_masses
 from .arm import draw_arm
@@ -30,7 +29,7 @@ if TYPE_CHECKING:
 WITHOUT_WEIGHT = "without the arm's weight:\nno masses are known"
 _ARROW, _MOMENT = 0.30, 0.10
 """Length of the largest force and radius of a moment, as a share of the arm's size."""
-_ARM_HEIGHT, _ROW = 2.7, 0.2  # of the picture of the arm; of a joint's bar and the room around it [in]
+_ARM_HEIGHT, _ROW = 3.0, 0.2  # of the picture of the arm; of a joint's bar and the room around it [in]
 _ROUNDING = 1e-12  # of the largest torque: nothing
 
 
@@ -114,7 +113,7 @@ def _draw_loads(canvas: Canvas, model: RobotModel, q: Array, bones: Skeleton, lo
             canvas.arrow(start, end, TOP, width=1.6, head=7.0, color=FORCE)
         if turn:
             turning_arrow(canvas, point, moment / turn, _MOMENT * bones.size, FORCE)
-        parts = [f"{format_number(x)} {unit}" for x, unit in ((size, "N"), (turn, "N m")) if x]
+        parts = [f"{x:.4g} {unit}" for x, unit in ((size, "N"), (turn, "N m")) if x]
         who = "load on the robot" if load.on_robot > 0 else "push on the surroundings"
         where = "" if len(loads) == 1 else f" at {model.link_name(load.link)}"
         canvas.key(f"{who}{where}: {', '.join(parts) or '0'}", color=FORCE, linewidth=1.6)

@@ -1,66 +1,96 @@
-"""Names of joints: each beside its joint, off the links and off each other."""
+"""Names of joints: each beside its joint, those at one place as one; off the arm, off each other and on the paper."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from ..namespaces import Array
+from .boxes import LEADER, Surroundings, Wanted, boxes_about, leaders_to, spread
+from .layout import box_of, fixed_boxes, room_of
 
-_ANGLES = np.radians([0.0, 180.0, 90.0, 270.0, 30.0, 150.0, 210.0, 330.0, 60.0, 120.0, 240.0, 300.0])
-_DISTANCES = (8.0, 13.0, 20.0, 28.0)  # from the joint to the rim of its name [points]
+_ONE_PLACE = 5.0  # joints closer than this on paper [points] have one name
+_LONGEST = 18  # letters of names that stand side by side
 
 
-def spread(names: Sequence[tuple[float, float]], joints: Array, lines: Array, room: Array, point: float) -> Array:
-    """(k, 2) middles of names, found one after the other: the place with least in its way, near ones first.
+def merged(words: Sequence[str]) -> str:
+    """One name for joints at one place: "joint4-6", "joint4, 6"; names that do not count are listed.
+
+    Example:
+        >>> merged(["joint4", "joint5", "joint6"]), merged(["arm_joint5", "arm_joint6"]), merged(["pan", "lift"])
+        ('joint4\N{EN DASH}6', 'arm_joint5, 6', 'pan, lift')
+    """
+    words = list(dict.fromkeys(words))
+    counted = [re.fullmatch(r"(.*?)(\d+)", word, flags=re.DOTALL) for word in words]
+    prefixes = {match[1] for match in counted if match}
+    if len(words) > 1 and len(prefixes) == 1 and all(counted):
+        return prefixes.pop() + _numbers([match[2] for match in counted if match])
+    return (", " if sum(map(len, words)) <= _LONGEST else ",\n").join(words)
+
+
+def _numbers(digits: Sequence[str]) -> str:
+    """Numbers in words: three and more that follow each other as a range."""
+    runs: list[list[str]] = []
+    for number in digits:
+        if runs and int(number) == int(runs[-1][-1]) + 1:
+            runs[-1].append(number)
+        else:
+            runs.append([number])
+    return ", ".join(f"{run[0]}\N{EN DASH}{run[-1]}" if len(run) > 2 else ", ".join(run) for run in runs)
+
+
+def places(points: Array, near: float) -> list[list[int]]:
+    """Points (k, 2) by place: each joins the first place whose first point is near, else begins one."""
+    found: list[list[int]] = []
+    for k, point in enumerate(points):
+        for place in found:
+            if float(np.hypot(*(points[place[0]] - point))) <= near:
+                place.append(k)
+                break
+        else:
+            found.append([k])
+    return found
+
+
+def place_names(
+    ax: Any, place: Any, names: Sequence[Any], joints: Array, letters: Sequence[Any], ends: Array, segments: Array
+) -> tuple[list[tuple[int, Array, Array | None]], list[Array]]:
+    """Finds places for names and letters, once axes have theirs; names at one place become one, the others are removed.
 
     Args:
-        names: width and height of each; joints: (k, 2) where they belong; lines: (p, 2) points they should not cover.
-        room: (2, 2) corners of the paper they should stay in; point: the length of a point. All in pixels.
+        ax, place: the axes. names, letters: their texts. joints, ends: (k, 2) where they belong, in data coordinates.
+        segments: (s, 2, 2) the lines of the arm, in data coordinates.
+
+    Returns:
+        For every name that is left its number, how far to move it [points], and how far its leader line goes, or None;
+        for every letter how far to move it.
     """
-    placed: list[Array] = []  # corners (2, 2)
-    middles = []
-    occupied = np.concatenate([lines.reshape(-1, 2), joints])
-    for (width, height), joint in zip(names, joints, strict=True):
-        half = 0.5 * np.array([width, height])
-        best, least = joint, np.inf
-        for step, distance in enumerate(_DISTANCES):
-            for order, angle in enumerate(_ANGLES):
-                u = np.array([np.cos(angle), np.sin(angle)])
-                middle = joint + u * (distance * point + half)
-                cost = _in_the_way(np.array([middle - half, middle + half]), placed, occupied, room)
-                cost += 1.5 * step + 0.01 * order
-                if cost < least:
-                    best, least = middle, cost
-        middles.append(best)
-        placed.append(np.array([best - half, best + half]))
-    return np.array(middles).reshape(-1, 2)
+    point, on_paper = ax.figure.dpi / 72, ax.transData.transform
+    anchors, tips = on_paper(joints.reshape(-1, 2)), on_paper(ends.reshape(-1, 2))
+    groups = places(anchors, _ONE_PLACE * point)
+    for group in groups:
+        names[group[0]].set_text(merged([names[k].get_text() for k in group]))
+        for k in group[1:]:
+            names[k].remove()
+    kept = [names[group[0]] for group in groups]
+    middles = [anchors[group[0]] for group in groups]
+    wanted = [Wanted(_size(ax, text), end, True) for text, end in zip(letters, tips, strict=True)]
+    wanted += [Wanted(_size(ax, text), middle) for text, middle in zip(kept, middles, strict=True)]
+    boxes = fixed_boxes(ax, {*letters, *kept})
+    lines = on_paper(segments.reshape(-1, 2)).reshape(-1, 2, 2)
+    found = spread(wanted, Surroundings(boxes, lines, room_of(ax, place), point))
+    moves = [(middle - word.anchor) / point for middle, word in zip(found, wanted, strict=True)]
+    result = []
+    for group, word, middle, move in zip(groups, wanted[len(tips) :], found[len(tips) :], moves[len(tips) :], strict=True):
+        start, end = leaders_to(word.anchor, boxes_about(middle, word.size)[None])[0]
+        leader = (end - start) / point
+        result.append((group[0], move, leader if float(np.hypot(*leader)) > LEADER else None))
+    return result, moves[: len(tips)]
 
 
-def _in_the_way(box: Array, placed: Sequence[Array], occupied: Array, room: Array) -> float:
-    """How much lies under a box: other names by their share of it, points of the arm by number, paper that is not there."""
-    area = float(np.prod(box[1] - box[0])) or 1.0
-    shared = sum(float(np.prod(np.maximum(np.minimum(box[1], o[1]) - np.maximum(box[0], o[0]), 0.0))) for o in placed)
-    covered = int(np.all((occupied > box[0]) & (occupied < box[1]), axis=1).sum())
-    outside = float(np.maximum(room[0] - box[0], 0.0).max() + np.maximum(box[1] - room[1], 0.0).max())
-    return 40.0 * shared / area + covered + outside
-
-
-def between(lines: Sequence[Array], count: int = 24) -> Array:
-    """(p, k) points along lines of two ends each."""
-    steps = np.linspace(0.0, 1.0, count)[:, None]
-    return np.concatenate([a + steps * (b - a) for a, b in lines]) if lines else np.zeros((0, 3))
-
-
-def place_names(ax: Any, texts: Sequence[Any], joints: Array, lines: Array) -> list[tuple[float, float]]:
-    """How far [points] to move each text from its joint; joints (k, 2) and points of lines (p, 2) in data coordinates."""
-    point = ax.figure.dpi / 72
-    boxes = [text.get_window_extent() for text in texts]
-    sizes = [(float(box.width), float(box.height)) for box in boxes]
-    on_paper = ax.transData.transform
-    room = np.array(ax.figure.bbox.extents).reshape(2, 2)
-    anchors = on_paper(joints)
-    middles = spread(sizes, anchors, on_paper(lines) if len(lines) else lines.reshape(-1, 2), room, point)
-    return [(float(x), float(y)) for x, y in (middles - anchors) / point]
+def _size(ax: Any, text: Any) -> Array:
+    box = box_of(ax, text)
+    return np.array([box.width, box.height])
