@@ -115,6 +115,10 @@ if TYPE_CHECKING:
     from .screws_in_words import (
         Screw as Screw,
     )
+    from .singular_sets import (
+        SingularSet as SingularSet,
+        singularities as singularities,
+    )
     from .six_vectors import (
         adjoint as adjoint,
         bracket_matrix as bracket_matrix,
@@ -147,6 +151,10 @@ if TYPE_CHECKING:
         tip_compliance as tip_compliance,
         tip_stiffness as tip_stiffness,
         wrench_from_torques as wrench_from_torques,
+    )
+    from .symbolic.exact import (
+        exact as exact,
+        joint_symbols as joint_symbols,
     )
     from .tasks import (
         Task as Task,
@@ -243,6 +251,10 @@ _CONTENTS = {  # what is public and where it is defined; a module is imported wh
         "screw_axis",
     ),
     "screws_in_words": ("Screw",),
+    "singular_sets": (
+        "SingularSet",
+        "singularities",
+    ),
     "six_vectors": (
         "adjoint",
         "bracket_matrix",
@@ -275,6 +287,10 @@ _CONTENTS = {  # what is public and where it is defined; a module is imported wh
         "tip_compliance",
         "tip_stiffness",
         "wrench_from_torques",
+    ),
+    "symbolic.exact": (
+        "exact",
+        "joint_symbols",
     ),
     "tasks": (
         "Task",

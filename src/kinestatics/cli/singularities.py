@@ -1,0 +1,41 @@
+"""`kinestatics singularities ROBOT`."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from ..frames import TIP
+from .app import app, show, show_json
+from .arguments import AllowXacro, Base, Hold, Json, Robot, Roots, Seed, Tip, read_configuration, read_robot
+
+
+@app.command("singularities", short_help="Where is this arm singular, and what is lost there?")
+def command(
+    robot: Robot,
+    base: Base = None,
+    tip: Tip = None,
+    link: Annotated[str, typer.Option(help="Link whose motion it is.")] = TIP,
+    task: Annotated[str, typer.Option(help="auto, full, position, orientation, or rows such as vx,vy,wz.")] = "auto",
+    at: Annotated[
+        list[str] | None, typer.Option(help="Posture whose card is wanted: home, random, or numbers. May be repeated.")
+    ] = None,
+    boundary: Annotated[bool, typer.Option(help="Search other branches for the workspace boundary, 5 s a card.")] = False,
+    tolerance: Annotated[float, typer.Option(help="Angles [rad] this close to right ones are taken for them.")] = 1e-5,
+    seed: Seed = 0,
+    hold: Hold = None,
+    package_root: Roots = None,
+    allow_xacro: AllowXacro = False,
+    as_json: Json = False,
+) -> None:
+    """Where is this arm singular? The determinant in factors, each singularity by name, and cards of postures."""
+    from ..singular_sets import singularities
+
+    model = read_robot(robot, base, tip, hold, package_root, allow_xacro)
+    found = singularities(model, task, at=link, tolerance=tolerance)
+    cards = [found.at(read_configuration(model, posture, seed), boundary=boundary) for posture in at or ()]
+    if as_json:
+        show_json({**found.to_dict(), "cards": [card.to_dict() for card in cards]})
+    else:
+        show("\n\n".join(map(str, [found, *cards])), model)

@@ -1,0 +1,323 @@
+"""`singularities`: where an arm is singular, as equations in its joints and lengths."""
+
+from __future__ import annotations
+
+import itertools
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ..errors import ConfigurationError, UnknownNameError, nearest
+from ..model import RobotModel
+from ..namespaces import Array
+from ..quantities import format_number, wrapped
+from ..statics import RANK_TOLERANCE
+from ..symbolic.functions import WaveFunction
+from ..tasks import Task
+from .aspects import Aspects, count_aspects
+from .card import Card, card_of
+from .certificate import Certificate, Domain, certify, check_equations
+from .components import Component, spectrum
+from .distance import Distance, distance_to
+from .equations import Equation, Space
+from .reach import on_boundary
+from .second_order import second_order
+from .tracing import Curve, Cusp, cusps_of, trace
+
+_BUDGET = 20.0
+_ROUNDING = 1e-12
+_RESIDUAL_SAMPLES = 32
+_SHORT = 40  # terms of a factor whose zeros are looked for while conditions are split
+
+
+@dataclass(frozen=True, eq=False)
+class SingularSet:
+    """The singular set of an arm for a task.
+
+    Attributes:
+        model: the robot in its nominal numbers; link: whose motion it is; task: the rows in play and their rank.
+        determinant: SymPy, factored, in axes in which it is shortest (it is the same in all); None where J is not square.
+        factors: its equations with multiplicities, those without real zeros included.
+        components: the parts of the singular set that have real points: where all equations of one hold, rank is lost.
+        candidates: these and all that samples alone left out: what `certify_free` excludes. With `components` they are the
+            same set of postures.
+        complete: whether the components are all there is; False where time ran out while conditions were split.
+        lengths: what the symbols of the formulas stand for [m].
+        residual: how far the nominal Jacobian is from that of the robot as given, at most, over random configurations;
+            lengths in shares of the reach.
+        seconds: what it took.
+        space, polynomial: what the equations are written in, and the determinant there.
+
+    Example:
+        >>> import kinestatics as ks
+        >>> print(ks.singularities(ks.load("ur5e")))
+        singularities of 'ur5e': vx, vy, vz, wx, wy, wz (rank 6)
+        det J = -a2*a3*(a2*cos(q2) + a3*cos(q2 + q3) - d5*sin(q2 + q3 +
+                q4))*sin(q3)*sin(q5)
+          shoulder: a2*cos(q2) + a3*cos(q2 + q3) - d5*sin(q2 + q3 + q4) = 0
+              rank 5, takes 1; 24 of 24 points lose rank
+          elbow: sin(q3) = 0  (q3 = 0°, 180°)
+              rank 5, takes 1; 24 of 24 points lose rank
+          wrist: sin(q5) = 0  (q5 = 0°, 180°)
+              rank 5, takes 1; 24 of 24 points lose rank
+          with a2 = 0.425, a3 = 0.3922, d4 = 0.1333, d5 = 0.0997, d6 = 0.0996 m
+    """
+
+    model: RobotModel
+    link: str
+    task: Task
+    determinant: Any
+    factors: tuple[tuple[Equation, int], ...]
+    components: tuple[Component, ...]
+    candidates: tuple[Component, ...]
+    complete: bool
+    lengths: Mapping[Any, Any]
+    residual: float
+    seconds: float
+    space: Space
+    polynomial: Any
+
+    @property
+    def never(self) -> bool:
+        """Whether the arm is never singular in this task, proved: no factor has real zeros."""
+        decided = all(equation.real is False for equation, _ in self.factors)
+        return self.complete and not self.candidates and decided
+
+    def on(self, q: Any, tolerance: float = 1e-9) -> tuple[Component, ...]:
+        """The components on which a configuration (n) lies, its equations held to a share of their amplitudes."""
+        array = self._configuration(q)
+        held = (np.abs(c.residuals(array[None])[0]).max() for c in self.components)
+        return tuple(c for c, rest in zip(self.components, held, strict=True) if rest <= tolerance)
+
+    def at(self, q: Any, *, boundary: bool = False, tolerance: float = RANK_TOLERANCE) -> Card:
+        """The card of a posture (n): what it is, what is lost, what is held for free, its class, and how near others are.
+
+        Args:
+            q: [rad or m].
+            boundary: whether to look over other branches if the tip is on the boundary of the workspace (up to 5 s).
+            tolerance: singular values below this fraction of the largest count as zero.
+
+        Example:
+            >>> import kinestatics as ks
+            >>> card = ks.singularities(ks.load("planar_2r")).at([0.3, 0.0])
+            >>> card.on, card.second_order.kind
+            (('elbow',), 'barrier')
+        """
+        array = self._configuration(q)
+        sigma = spectrum(self.model, array, self.task, self.link)
+        singular = bool((sigma > tolerance).sum() < self.task.rank)
+        on = tuple(dict.fromkeys(component.name for component in self.on(array, 1e-8))) if singular else ()
+        second = second_order(self.model, array, self.task, self.link, tolerance) if singular else None
+        reach = None
+        if second is not None and boundary and second.kind != "regular":
+            reach = on_boundary(self.model, second.q, self.task, self.link, second)
+        return card_of(self.model, self.link, self.task, array, on, self.distance(array), second, reach, tolerance)
+
+    def distance(self, q: Any) -> tuple[Distance, ...]:
+        """The distance of a posture (n) from every component, the nearest first.
+
+        Example:
+            >>> import kinestatics as ks
+            >>> found = ks.singularities(ks.load("puma_560")).distance([0, 0.4, 0.5, 0.5, 0.3, 0.2])
+            >>> print(found[0])
+            wrist: 0.3 rad (17.1887°), at least 0.3
+        """
+        array = self._configuration(q)
+        return tuple(sorted((distance_to(c, array) for c in self.components), key=lambda d: d.value))
+
+    def certify_free(self, box: Any = None, *, path: Any = None, budget: float = 2.0) -> Certificate:
+        """Whether a box of postures, or a path of straight pieces, is free of singularities, as a proof.
+
+        Args:
+            box: (2, n) lower and upper corner, or a pair of them [rad]. path: (m, n) postures, m >= 2. One of the two.
+            budget: [s] for each box or piece of the path.
+
+        Returns:
+            Certificate: "free" is proved by intervals with outward rounding for the nominal robot; "singular" has a witness;
+            "undecided" is neither.
+
+        Raises:
+            ConfigurationError: KS303 for shapes, KS398 where a joint slides or lengths have no numbers.
+
+        Example:
+            >>> import kinestatics as ks
+            >>> found = ks.singularities(ks.load("puma_560"))
+            >>> found.certify_free(([0, 0.3, 0.4, 0.1, 0.2, 0], [0.1, 0.4, 0.5, 0.2, 0.3, 0.1])).verdict
+            'free'
+        """
+        if (box is None) == (path is None):
+            raise ConfigurationError("KS303", "certify_free takes a box or a path", "one of the two")
+        exact = self._exact_lengths()
+        check_equations(self.candidates)
+        corners = np.asarray(path if box is None else box, dtype=float)
+        expected = corners.ndim == 2 and corners.shape[1] == self.model.n and len(corners) >= 2
+        if not expected or not np.all(np.isfinite(corners)) or (box is not None and len(corners) != 2):
+            hint = f"a box is (2, {self.model.n}), a path (m, {self.model.n}), of finite numbers"
+            raise ConfigurationError("KS303", f"found shape {corners.shape}", hint)
+        if box is not None:
+            if np.any(corners[0] > corners[1]):
+                raise ConfigurationError("KS303", "the box has a lower corner above the upper one", "lower first")
+            return certify(self.candidates, Domain.of_box(*corners), exact, budget, time.monotonic())
+        pieces = [
+            certify(self.candidates, Domain((a + b) / 2.0, (b - a)[None] / 2.0), exact, budget, time.monotonic())
+            for a, b in itertools.pairwise(corners)
+        ]
+        worst = min(pieces, key=lambda c: ("singular", "undecided", "free").index(c.verdict))
+        return replace(worst, pieces=sum(c.pieces for c in pieces), seconds=sum(c.seconds for c in pieces))
+
+    def trace(self, joints: Sequence[str | int], q: Any = None, step: float = 0.02) -> tuple[Curve, ...]:
+        """The singular curves in the plane of two joints, for drawing.
+
+        Args:
+            joints: names or columns of two joints.
+            q: (n) where the others are held; default the home posture.
+            step: between points [rad or m].
+
+        Raises:
+            ConfigurationError: KS303 for joints that are not two; KS398 where a component takes more than one equation.
+
+        Example:
+            >>> import kinestatics as ks
+            >>> curves = ks.singularities(ks.load("puma_560")).trace(["joint2", "joint3"])
+            >>> sorted({curve.component.name for curve in curves})
+            ['elbow', 'shoulder']
+        """
+        columns = [self._column(joint) for joint in joints]
+        if len(columns) != 2 or columns[0] == columns[1]:
+            raise ConfigurationError("KS303", f"joints are {joints!r}", "two different joints")
+        if any(len(component.equations) > 1 for component in self.components):
+            hint = "their points are in `components[i].points`"
+            raise ConfigurationError("KS398", "a component of several equations is no curve in a plane", hint)
+        held = self.model.home if q is None else self._configuration(q)
+        in_plane = [c for c in self.components if set(c.columns) & set(columns)]
+        return tuple(curve for c in in_plane for curve in trace(c, (columns[0], columns[1]), held, checked_positive(step)))
+
+    def cusps(self, step: float = 0.02) -> tuple[Cusp, ...]:
+        """The cusps of an arm with three joints that turn: postures where three solutions of the inverse problem meet.
+
+        Args:
+            step: between the points of the singular curves along which they are looked for [rad].
+
+        Raises:
+            ConfigurationError: KS398 for other arms.
+
+        Example:
+            >>> import kinestatics as ks
+            >>> len(ks.singularities(ks.load("elbow_rrr"), "position").cusps())
+            0
+        """
+        fits = self.model.n == 3 and self.task.rank == 3 and self.polynomial is not None and all(self.space.half.ring.turns)
+        if not fits:
+            raise ConfigurationError("KS398", "cusps are of three joints that turn and a task of rank 3", "task='position'")
+        found = (cusps_of(c, self.model, self.task, self.link, checked_positive(step)) for c in self.components)
+        return tuple(cusp for cusps in found for cusp in cusps)
+
+    def _column(self, joint: str | int) -> int:
+        if isinstance(joint, str) and joint in self.model.joint_names:
+            return self.model.joint_names.index(joint)
+        if isinstance(joint, int) and 0 <= joint < self.model.n:
+            return joint
+        raise UnknownNameError("KS313", f"there is no joint {joint!r}", nearest(str(joint), self.model.joint_names))
+
+    def aspects(self, starts: int = 600, seed: int = 0) -> Aspects:
+        """The regions of joint space that singular postures separate, all joints turning freely.
+
+        Args:
+            starts: postures from which critical points of the determinant are looked for; more find more.
+            seed: of these postures.
+
+        Raises:
+            ConfigurationError: KS398 where there is no determinant, a joint slides, or lengths have no numbers.
+
+        Example:
+            >>> import kinestatics as ks
+            >>> ks.singularities(ks.load("puma_560")).aspects().count
+            8
+        """
+        if self.polynomial is None:
+            raise ConfigurationError(
+                "KS398", "J is not square: there is no determinant", "task= with as many rows as joints"
+            )
+        self._exact_lengths()
+        f = WaveFunction.of(self.space.half, self.polynomial, self.space.values)
+        if f.slides:
+            raise ConfigurationError("KS398", "a joint slides", "aspects are counted for joints that turn")
+        return count_aspects(f, self.model.n, starts, seed)
+
+    def _exact_lengths(self) -> dict[Any, Any]:
+        """Exact numbers of the symbols."""
+        if not self.space.given:
+            raise ConfigurationError("KS398", "the lengths have no numbers", "singularities(model, lengths={...})")
+        import sympy
+
+        own = dict(self.lengths)
+        return {s: own.get(s, sympy.Rational(repr(value))) for s, value in self.space.values.items()}
+
+    def _configuration(self, q: Any) -> Array:
+        array = np.array(q, dtype=float)
+        if array.shape != (self.model.n,) or not np.all(np.isfinite(array)):
+            raise ConfigurationError("KS303", f"q is {q!r}", f"one configuration of {self.model.n} finite numbers")
+        return array
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data for JSON."""
+        return {
+            "robot": self.model.name,
+            "link": self.link,
+            "rows": list(self.task.row_names),
+            "rank": self.task.rank,
+            "determinant": None if self.determinant is None else str(self.determinant),
+            "factors": [
+                {"expression": str(e.expression), "joints": list(e.joints), "multiplicity": m, "real": e.real}
+                for e, m in self.factors
+            ],
+            "components": [component.to_dict() for component in self.components],
+            "complete": self.complete,
+            "lengths": {str(symbol): float(value) for symbol, value in self.lengths.items()},
+            "residual": self.residual,
+        }
+
+    def __str__(self) -> str:
+        lines = [f"singularities of {self.model.name!r}: {', '.join(self.task.row_names)} (rank {self.task.rank})"]
+        if self.determinant is not None:
+            lines += (
+                wrapped("det J = ", str(self.determinant)).splitlines()
+                if len(str(self.determinant)) < 2000
+                else [f"det J: {len(self.determinant.args)} factors, too long to print (.determinant)"]
+            )
+        if not self.components:
+            lines.append("never singular" if self.never else "no real component was found; that there is none is not proved")
+        for component in self.components:
+            taken = f"takes {component.codimension}" if component.codimension else "codimension not found"
+            limits = {True: "", False: "; outside the joint limits", None: "; not seen inside the joint limits"}
+            head = f"{component.name}: {component.text()}"
+            lines += wrapped("  ", head, 4).splitlines()
+            tail = f"{component.verified}{limits[component.within_limits]}"
+            lines += wrapped("      ", f"rank {component.rank}, {taken}; {tail}").splitlines()
+        for equation, _ in self.factors:
+            if equation.real is False:
+                lines.append(f"  void: {equation.expression} = 0 has no real zeros")
+            elif equation.real is None:
+                lines.append(f"  not decided: whether {equation.expression} = 0 has real zeros")
+        if not self.complete:
+            lines.append("  time ran out: conditions that were not split are part of the components above")
+        if self.lengths:
+            named = ", ".join(f"{symbol} = {float(value):g}" for symbol, value in self.lengths.items())
+            lines += wrapped("  with ", f"{named} m").splitlines()
+        if self.residual > _ROUNDING:
+            lines.append(f"  nominal: the robot's own Jacobian differs by up to {format_number(self.residual)} of its reach")
+        return "\n".join(lines)
+
+
+def checked_positive(step: Any) -> float:
+    """A step of a walk, positive and finite.
+
+    Raises:
+        ConfigurationError: KS353.
+    """
+    if not (isinstance(step, int | float) and 0 < step < 1):
+        raise ConfigurationError("KS353", f"step is {step!r}", "a positive number below 1, in rad or m")
+    return float(step)
