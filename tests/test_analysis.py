@@ -704,6 +704,7 @@ def test_inputs_are_left_alone():
 # ---- JSON and print ------------------------------------------------------------------------------------------------------
 
 KEYS = {
+    "near_singularities",
     "robot", "base", "tip", "joints", "configuration", "pose", "jacobian", "task", "rank", "singular", "singular_values",
     "condition", "characteristic_length", "scaled", "tolerance", "manipulability", "manipulability_unit", "lost_twists",
     "free_wrenches", "gravity_torques", "wrench", "joint_torques", "effort_limits", "limits", "notes", "isotropy",

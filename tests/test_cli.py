@@ -79,9 +79,12 @@ def example(pattern):
 @pytest.mark.parametrize("name", ks.catalogue_names())
 def test_analyze_prints_what_the_function_returns(done, name):
     """`kinestatics analyze NAME` is print(analyze(...)) at home, and --json its dictionary."""
-    result = ks.analyze(ks.load(name))
+    result = ks.analyze(ks.load(name), singularities=True)
     assert done("analyze", name) == f"{result}\n"
     assert strict(done("analyze", name, "--json")) == result.to_dict()
+    plain = ks.analyze(ks.load(name))
+    assert plain.near is None
+    assert strict(done("analyze", name, "--json", "--no-singularities")) == plain.to_dict()
 
 
 def test_configuration_words(done):
@@ -210,6 +213,26 @@ def test_help(done, command):
 def test_version(done):
     """--version is the version of the package."""
     assert done("--version").strip() == ks.__version__
+
+
+def test_singularities_prints_what_the_function_returns(done):
+    """`kinestatics singularities NAME --at home` is the set and the card; --json both as data."""
+    found = ks.singularities(ks.load("ur5e"))
+    card = found.at(ks.load("ur5e").home)
+    assert done("singularities", "ur5e", "--at", "home") == f"{found}\n\n{card}\n"
+    data = strict(done("singularities", "ur5e", "--at", "home", "--at", "0,0,0,0,0,0", "--json"))
+    assert data == {**found.to_dict(), "cards": [card.to_dict(), found.at([0.0] * 6).to_dict()]}
+    assert "position" not in done("singularities", "puma_560", "--task", "position", "--link", "link4")
+
+
+def test_an_arm_of_another_file_is_analysed_with_its_singularities(done, tmp_path):
+    """An arm in MJCF."""
+    path = tmp_path / "screw.xml"
+    path.write_text(
+        '<mujoco><worldbody><body><joint name="a" axis="0 0 1"/><geom size="0.1" mass="1"/>'
+        '<body pos="1 0 0"><joint name="b" axis="0 0 1"/><geom size="0.1" mass="1"/></body></body></worldbody></mujoco>'
+    )
+    assert "no singularity was found" in done("analyze", str(path), "--singularities")
 
 
 def test_options_that_the_help_of_analyze_promises(done):

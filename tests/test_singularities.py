@@ -216,6 +216,18 @@ def test_angles_that_are_no_right_angles():
             np.testing.assert_allclose(values_at(result.determinant, arm, q, lengths), expected_values, atol=1e-13)
 
 
+def test_a_table_of_symbols_and_decimals():
+    """A twist of 0.3 rad as a float beside a symbolic length: c² + s² is 1 all the same."""
+    a = sympy.Symbol("a", positive=True)
+    rows = [(0.1, 0.3, 0.2, 0.7), (a, 0, 0, 0), (0.4, 0.0, 0.1, 0)]
+    found = singularities(ks.from_dh(rows, convention="standard"), "position", lengths={"a": 0.5})
+    arm = ks.from_dh([(0.1, 0.3, 0.2, 0.7), (0.5, 0, 0, 0), (0.4, 0.0, 0.1, 0)], convention="standard")
+    q = np.random.default_rng(0).uniform(-3, 3, (50, 3))
+    values = values_at(found.determinant, arm, q, {"a": 0.5})
+    np.testing.assert_allclose(values, numeric_determinant(arm, q, found.task), atol=1e-14)
+    assert len(found.factors) == 2
+
+
 def test_no_answer_is_not_none():
     """Symbols without numbers: whether a factor has real zeros is not decided, and the text says so."""
     a1, a2, a3, d2 = sympy.symbols("a1 a2 a3 d2", positive=True)

@@ -22,6 +22,7 @@ from ..tasks import Task, characteristic_length, find_task, prismatic_columns, w
 from .abilities import abilities, ellipsoids, greatest_payload
 from .checks import finite_array
 from .loading import held
+from .near import nearest_singularities
 from .result import Analysis, Margin
 
 NEAR_LIMIT = 0.05
@@ -36,6 +37,7 @@ def analyze(
     *,
     at: str = TIP,
     gravity: Sequence[float] = STANDARD_GRAVITY,
+    singularities: bool = False,
 ) -> Analysis:
     """What can this arm do, here?
 
@@ -47,6 +49,8 @@ def analyze(
         task: rows in play, as in `find_task`.
         at: link that is the tip of the question.
         gravity: (3) in base axes [m/s²]; `gravity_in_base("ceiling")` for a mounted base.
+        singularities: whether to find the arm's singular set too, and how far it is from here (extra `symbolic`; about a
+            second, more for arms with spare joints). Where it cannot be had, a note says why.
 
     Returns:
         Analysis.
@@ -74,6 +78,7 @@ def analyze(
     down = finite_array(checked_gravity(gravity), "gravity")
     notes: list[str] = []
     velocity, force = ellipsoids(J, found)
+    near = nearest_singularities(model, values, found, at, notes) if singularities else None
     able, speed_rows = abilities(model, values, J, found, down, notes)
     return Analysis(
         robot=model.name,
@@ -106,6 +111,7 @@ def analyze(
         **held(model, values, J, wrench, down, notes),
         effort_limits=model.effort_limits,
         margins=_margins(model, values),
+        near=near,
         notes=tuple(notes),
     )
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,6 +13,9 @@ from ..quantities import Jacobian, Pose, Wrench
 from ..screws_in_words import Screw
 from ..statics import Capacity, JointReactions, LoadSplit
 from ..tasks import Task
+
+if TYPE_CHECKING:
+    from ..singular_sets.distance import Distance
 
 
 @dataclass(frozen=True)
@@ -107,6 +110,7 @@ class Analysis:
         reactions: what each joint's bearing carries then, or None.
         effort_limits: (n) [N m or N], infinite where unknown.
         margins: one for each joint with limits.
+        near: distances from the singularities, the nearest first, or None where they were not asked for or not found.
         notes: sentences about missing data.
     """
 
@@ -146,6 +150,7 @@ class Analysis:
     reactions: JointReactions | None
     effort_limits: Array
     margins: tuple[Margin, ...]
+    near: tuple[Distance, ...] | None
     notes: tuple[str, ...]
 
     @property
@@ -200,6 +205,7 @@ class Analysis:
             "abilities": [_ability_dict(ability) for ability in self.abilities],
             "speed_rows": list(self.speed_rows),
             "limits": [asdict(margin) for margin in self.margins],
+            "near_singularities": None if self.near is None else [distance.to_dict() for distance in self.near],
         }
 
     def _statics_dict(self) -> dict[str, Any]:

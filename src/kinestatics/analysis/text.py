@@ -14,8 +14,8 @@ from .result import Analysis, Margin
 
 def paragraphs(a: Analysis) -> list[str]:
     """The parts of a printed analysis, from where the arm is to what is not known of it."""
-    parts = [_heading(a), str(a.pose), str(a.jacobian), _rank_text(a), _direction_text(a), _ellipsoid_text(a)]
-    parts += [_ability_text(a), *_load_texts(a), _torque_text(a), _reaction_text(a), _limit_text(a)]
+    parts = [_heading(a), str(a.pose), str(a.jacobian), _rank_text(a), _direction_text(a), _near_text(a)]
+    parts += [_ellipsoid_text(a), _ability_text(a), *_load_texts(a), _torque_text(a), _reaction_text(a), _limit_text(a)]
     return [part for part in [*parts, "\n".join(wrapped("note: ", note) for note in a.notes)] if part]
 
 
@@ -68,6 +68,15 @@ def _rank_text(a: Analysis) -> str:
         f"manipulability   {'0' if a.is_singular else f'{a.manipulability:.4g}'}{unit}",
     ]
     return "\n".join(lines)
+
+
+def _near_text(a: Analysis) -> str:
+    """How far each singularity is, by name."""
+    if a.near is None:
+        return ""
+    if not a.near:
+        return "no singularity was found for this task"
+    return "\n".join(["nearest singularities, in joint space", *(wrapped("  ", str(distance)) for distance in a.near)])
 
 
 def _direction_text(a: Analysis) -> str:

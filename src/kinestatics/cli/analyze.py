@@ -46,6 +46,7 @@ def command(
     ] = None,
     mount: Annotated[str, typer.Option(help="How the base stands: floor, ceiling, wall, or roll,pitch,yaw.")] = "floor",
     task: Annotated[str, typer.Option(help="auto, full, position, orientation, or rows such as vx,vy,wz.")] = "auto",
+    singularities: Annotated[bool, typer.Option(help="Find the arm's singularities, and how far they are.")] = True,
     hold: Hold = None,
     package_root: Roots = None,
     allow_xacro: AllowXacro = False,
@@ -56,5 +57,5 @@ def command(
 
     model = with_payloads(read_robot(robot, base, tip, hold, package_root, allow_xacro), payload)
     q, loads, gravity = read_configuration(model, at, seed), read_loads(load, push, wrench_at), read_mounting(mount)
-    result = analyze(model, q, loads or None, task, gravity=gravity)
+    result = analyze(model, q, loads or None, task, gravity=gravity, singularities=singularities)
     show_json(result.to_dict()) if as_json else show(str(result), model)

@@ -190,7 +190,8 @@ def _cos_sin(angle: Any, exact: bool) -> tuple[Any, Any]:
     if exact:
         import sympy
 
-        return sympy.cos(_exact(angle)), sympy.sin(_exact(angle))
+        given = sympy.Rational(repr(angle)) if isinstance(angle, float) else _exact(angle)
+        return sympy.cos(given), sympy.sin(given)  # of a fraction they stay exact: c² + s² is 1
     return math.cos(angle), math.sin(angle)
 
 

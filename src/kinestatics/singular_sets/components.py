@@ -54,6 +54,11 @@ class Component:
         """ "wrist", "elbow", "shoulder" by the geometry of its postures, "other" where none of these fits."""
         return name_of(self.space.model, self.points[:_NAMED], self.joints, self.at, self.task)
 
+    @property
+    def label(self) -> str:
+        """The name, and for "other" the joints it is of."""
+        return self.name if self.name != "other" else f"{self.name} ({', '.join(self.joints)})"
+
     @cached_property
     def columns(self) -> tuple[int, ...]:
         """The joints it depends on, from 0."""

@@ -40,8 +40,10 @@ class Distance:
         return {"name": self.component.name, "value": value, "nearest": nearest, "at_least": self.at_least}
 
     def __str__(self) -> str:
-        name, unit = self.component.name, "rad" if all(self.component.space.half.ring.turns) else "rad, m"
+        name, unit = self.component.label, "rad" if all(self.component.space.half.ring.turns) else "rad, m"
         degrees = f" ({format_number(np.degrees(self.value))}°)" if unit == "rad" else ""
+        if not np.isfinite(self.value):
+            return f"{name}: no posture was found"
         return f"{name}: {format_number(self.value)} {unit}{degrees}, at least {format_number(self.at_least)}"
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import time
 from collections.abc import Mapping, Sequence
+from math import comb
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,7 @@ from .singular_set import SingularSet
 
 _BUDGET = 20.0
 _RESIDUAL_SAMPLES = 32
+_MOST_MINORS = 500
 _SHORT = 40  # terms of a factor whose zeros are looked for while conditions are split
 
 
@@ -55,7 +57,8 @@ def singularities(
         SingularSet.
 
     Raises:
-        ConfigurationError: KS391 for screw joints and odd mimic ratios; KS397 for values that are missing or no numbers.
+        ConfigurationError: KS391 for screw joints and odd mimic ratios; KS397 for values that are missing or no numbers;
+            KS399 for more joints than can be gone through.
         ArrayTypeError: KS390. UnknownNameError: KS310, KS318. MissingExtraError: KS400.
 
     Law: rank J(q) < rank of the task at almost every q. The determinant is computed in the frame of a middle link and
@@ -155,9 +158,18 @@ def _with_values(model: RobotModel, values: Mapping[Any, float]) -> RobotModel:
 
 
 def _minors(chain: ExactChain, task: Task) -> list[Polynomial]:
-    """The minors of the size of the rank of the task: rank is lost where all of them vanish."""
+    """The minors of the size of the rank of the task: rank is lost where all of them vanish.
+
+    Raises:
+        ConfigurationError: KS399 where there are too many of them.
+    """
     rows = chain.task_rows(task.rows)
-    columns = range(chain.columns)
+    columns = [j for j in range(chain.columns) if any(row[j] != 0 for row in rows)]
+    count = comb(len(rows), task.rank) * comb(len(columns), task.rank)
+    if count > _MOST_MINORS:
+        message = f"{len(columns)} joints and {len(rows)} rows of rank {task.rank} have {count} minors"
+        hint = "hold some joints (joints={...} of ks.load, --hold), or choose fewer rows"
+        raise ConfigurationError("KS399", message, hint)
     found = []
     for chosen in itertools.combinations(range(len(rows)), task.rank):
         for kept in itertools.combinations(columns, task.rank):

@@ -109,7 +109,7 @@ class SingularSet:
         array = self._configuration(q)
         sigma = spectrum(self.model, array, self.task, self.link)
         singular = bool((sigma > tolerance).sum() < self.task.rank)
-        on = tuple(dict.fromkeys(component.name for component in self.on(array, 1e-8))) if singular else ()
+        on = tuple(dict.fromkeys(component.label for component in self.on(array, 1e-8))) if singular else ()
         second = second_order(self.model, array, self.task, self.link, tolerance) if singular else None
         reach = None
         if second is not None and boundary and second.kind != "regular":
@@ -121,7 +121,7 @@ class SingularSet:
 
         Example:
             >>> import kinestatics as ks
-            >>> found = ks.singularities(ks.load("puma_560")).distance([0, 0.4, 0.5, 0.5, 0.3, 0.2])
+            >>> found = ks.singularities(ks.load("puma_560")).distance([0, 0.4, 0.9, 0.5, 0.3, 0.2])
             >>> print(found[0])
             wrist: 0.3 rad (17.1887°), at least 0.3
         """

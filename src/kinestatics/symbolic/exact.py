@@ -90,7 +90,7 @@ def exact(model: RobotModel, tolerance: float = 1e-5) -> RobotModel:
         >>> import kinestatics as ks
         >>> arm = ks.exact(ks.load("planar_2r"))
         >>> ks.jacobian(arm, ks.joint_symbols(arm)).array[0, 1]
-        -sin(q1 + q2)
+        -sin(q1)*cos(q2) - sin(q2)*cos(q1)
     """
     require_model(model)
     sympy_module()
