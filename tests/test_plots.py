@@ -992,3 +992,32 @@ def test_arrows_keep_their_heads():
     assert short[:, 0].min() >= 0.0
     head = arrow_outline(np.zeros(2), np.array([1.0, 0.0]), 0.0, 3.0)
     assert head[:, 0].min() == pytest.approx(-2.0)
+
+
+# Singular sets
+
+
+def test_singular_curves_are_where_the_determinant_is_zero():
+    """Every point drawn is singular; both halves of the elbow and the shoulder are in the key; the posture is marked."""
+    found = ks.singularities(ks.load("puma_560"))
+    ax = plots.singular_curves(found, ["joint2", "joint3"], [0.1, 0.4, 0.5, 0.0, 0.3, 0.0])
+    lines = [line for line in ax.lines if len(line.get_xdata()) > 1]
+    assert {text.get_text() for text in ax.get_legend().get_texts()} == {"shoulder", "elbow"}
+    for line in lines:
+        q = np.zeros((len(line.get_xdata()), 6))
+        q[:, 1], q[:, 2], q[:, 4] = np.radians(line.get_xdata()), np.radians(line.get_ydata()), 0.3
+        sigma = np.linalg.svd(ks.jacobian(found.model, q, check_finite=False).array, compute_uv=False)
+        assert sigma[:, -1].max() < 1e-9
+    (mark,) = [line for line in ax.lines if line.get_marker() == "o"]
+    np.testing.assert_allclose([mark.get_xdata()[0], mark.get_ydata()[0]], np.degrees([0.4, 0.5]))
+
+
+def test_the_image_of_an_elbow_arm_is_its_workspace():
+    """A planar arm of equal links: the circle of radius 2 and its centre; refused for six joints."""
+    ax = plots.singular_image(ks.singularities(ks.load("planar_2r")))
+    radii = np.concatenate([np.hypot(*line.get_data()) for line in ax.lines if len(line.get_xdata())])
+    assert np.all((np.abs(radii - 2) < 1e-9) | (radii < 1e-9))
+    with pytest.raises(ks.ConfigurationError, match="KS398"):
+        plots.singular_image(ks.singularities(ks.load("ur5e")))
+    with pytest.raises(ks.ArrayTypeError, match="KS302"):
+        plots.singular_curves(ks.load("ur5e"), [1, 2])

@@ -10,6 +10,7 @@ from .page import analysis
 from .paths import measure_along
 from .polytopes import force_polytope, velocity_polytope
 from .screws import lost_and_free
+from .singular import singular_curves, singular_image
 from .torques import load, torque_bars
 
 __all__ = [
@@ -20,6 +21,8 @@ __all__ = [
     "load",
     "lost_and_free",
     "measure_along",
+    "singular_curves",
+    "singular_image",
     "torque_bars",
     "velocity_ellipsoid",
     "velocity_polytope",

@@ -199,15 +199,15 @@ def _refined(f: WaveFunction, model: RobotModel, task: Task, at: str, a: Array, 
     if float(np.linalg.norm(kernel[1:])) < 1e-3:
         return None
     p = pose(model, a, at=at, check_finite=False).translation
-    z = model.path(model.link_joints[model.link(at)])[0]
-    axis, origin = _first_axis(model, z)
+    axis, origin = first_axis(model, at)
     height = float((p - origin) @ axis)
     radius = float(np.linalg.norm(p - origin - height * axis))
     return Cusp(np.pi - np.mod(np.pi - a, 2 * np.pi), radius, height, abs(slope(a, kernel)[0]))
 
 
-def _first_axis(model: RobotModel, joint: int) -> tuple[Array, Array]:
-    """Direction and a point of the first joint's axis, base axes."""
+def first_axis(model: RobotModel, at: str) -> tuple[Array, Array]:
+    """Direction and a point of the first joint's axis on the way to a link, base axes."""
+    joint = model.path(model.link_joints[model.link(at)])[0]
     R, p = split_pose(model.placements[joint])
     w, v = model.screws[joint][ANGULAR], model.screws[joint][LINEAR]
     return R @ w, R @ np.cross(w, v) + p
