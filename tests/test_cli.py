@@ -235,6 +235,33 @@ def test_an_arm_of_another_file_is_analysed_with_its_singularities(done, tmp_pat
     assert "no singularity was found" in done("analyze", str(path), "--singularities")
 
 
+@pytest.mark.parametrize("quantity", ["pose", "jacobian", "velocity", "gravity_torques", "joint_torques", "determinant"])
+def test_export_writes_every_quantity_in_every_language(done, quantity, tmp_path):
+    """Text, LaTeX, derivation and code; to a file, and as JSON with the formula itself."""
+    robot = "puma_560" if quantity != "gravity_torques" else "planar_2r"
+    for language in ("text", "latex", "numpy", "c", "matlab"):
+        assert done("export", robot, "--quantity", quantity, "--as", language, "--named").strip()
+    path = tmp_path / "out.c"
+    done("export", robot, "--quantity", quantity, "--as", "c", "--output", str(path))
+    data = strict(done("export", robot, "--quantity", quantity, "--as", "c", "--json"))
+    assert path.read_text(encoding="utf-8").rstrip() == data["text"].rstrip()
+
+
+def test_export_in_frames(done, shell):
+    """The geometric Jacobian is the default; other frames by their words; a wrong word is named."""
+    form = ks.closed_form("jacobian", ks.load("ur5e"), frame=ks.Frame("base", "tip"))
+    assert done("export", "ur5e") == f"{form}\n"
+    assert "spatial" in done("export", "ur5e", "--frame", "spatial") or "origin of base" in done(
+        "export", "ur5e", "--frame", "spatial"
+    )
+    code, _, err = shell("export", "ur5e", "--frame", "bodi")
+    assert code == 2
+    assert "KS393" in err
+    code, _, err = shell("export", "ur5e", "--as", "fortran")
+    assert code == 2
+    assert "KS395" in err
+
+
 def test_options_that_the_help_of_analyze_promises(done):
     """Every option that the help lists is tried in this file."""
     listed = set(re.findall(r"^ +(?:-h, )?(--[a-z-]+)", done("analyze", "--help"), re.MULTILINE))

@@ -240,6 +240,15 @@ def test_no_answer_is_not_none():
     assert "not decided" in str(found)
 
 
+def test_three_slides_at_right_angles_are_never_singular():
+    """No angle at all: the determinant is a number."""
+    half = np.pi / 2
+    rows = [(0.0, half, 0.0, 0.0), (0.0, half, 0.0, half), (0.0, 0.0, 0.0, 0.0)]
+    found = singularities(ks.from_dh(rows, convention="standard", types="PPP"), "position")
+    assert found.never
+    assert abs(found.determinant) == 1
+
+
 @pytest.mark.parametrize(("name", "n"), [("three_joint_note_003", 3), ("cartesian", 3)])
 def test_arms_that_are_never_singular(name, n):
     arm = ks.load(name) if name != "cartesian" else numeric(ROBOTS["cartesian_PPP"])

@@ -44,7 +44,7 @@ def options(
 
 
 def _load_commands() -> None:
-    from . import analyze, jacobian, robots, singularities  # noqa: F401 - each registers its command
+    from . import analyze, export, jacobian, robots, singularities  # noqa: F401 - each registers its command
 
 
 def main() -> None:

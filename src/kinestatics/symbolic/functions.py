@@ -153,6 +153,8 @@ def _terms(F: Polynomial) -> tuple[Array, Array]:
 
 def _spectrum(exponents: Array, coefficients: Array, degrees: tuple[int, ...]) -> Array:
     """Coefficients of e^(i k x / 2), k = -degree, -degree + 2, ..., along an axis for each angle."""
+    if not degrees:  # joints that slide, and no angle
+        return np.array(coefficients.sum(), dtype=complex)
     tensor = np.zeros([d + 1 for d in degrees], dtype=complex)
     np.add.at(tensor, tuple(exponents[:, 2 * a] for a in range(len(degrees))), coefficients)
     for a, degree in enumerate(degrees):
