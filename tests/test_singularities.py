@@ -9,7 +9,7 @@ import sympy
 import kinestatics as ks
 from kinestatics.singular_sets import singularities
 from kinestatics.singular_sets.components import spectrum
-from singular_robots import DATA, ROBOTS, expected, numeric, random_lengths, symbolic, task_of
+from singular_robots import DATA, ROBOTS, expected, number, numeric, random_lengths, symbolic, task_of
 
 SQUARE = [name for name, robot in ROBOTS.items() if robot.get("det")]
 REDUNDANT = [name for name, robot in ROBOTS.items() if robot.get("rank_deficient_components")]
@@ -238,6 +238,21 @@ def test_no_answer_is_not_none():
     assert any(e.real is None for e, _ in found.factors)
     assert not found.never
     assert "not decided" in str(found)
+
+
+def test_a_calibrated_robot_has_its_nominal_form():
+    """A UR5 with noise of 1e-4 rad and m: at a tolerance of 0.01 three factors by name, and the residual."""
+    rng = np.random.default_rng(0)
+    lengths = ROBOTS["ur5"]["params"]
+    rows = [
+        [number(a, lengths), np.radians(alpha), number(d, lengths), np.radians(theta)]
+        for a, alpha, d, theta in ROBOTS["ur5"]["dh"]["rows"]
+    ]
+    noisy = ks.from_dh(np.array(rows) + rng.normal(size=(6, 4)) * 1e-4, convention="standard")
+    nominal = singularities(noisy, tolerance=0.01)
+    assert [c.name for c in nominal.components] == ["shoulder", "elbow", "wrist"]
+    assert 1e-5 < nominal.residual < 2e-3
+    assert "nominal" in str(nominal)
 
 
 def test_three_slides_at_right_angles_are_never_singular():

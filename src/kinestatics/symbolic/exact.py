@@ -19,6 +19,7 @@ from ..tasks import characteristic_length
 _PARTS = 12
 """Angles are taken for whole multiples of 180/12 = 15 degrees, or of whole degrees, where they are that close."""
 _DIGITS = 1e-12
+_OF_REACH = 0.1
 LETTERS = ("q", "theta", "joint")
 
 
@@ -73,9 +74,9 @@ def exact(model: RobotModel, tolerance: float = 1e-5) -> RobotModel:
 
     Args:
         model: a robot of numbers; one of symbols is returned as it is.
-        tolerance: angles [rad] this close to a multiple of 15 degrees or of a whole degree are taken for it, lengths this
-            small beside the arm's reach for zero. A calibrated robot has its nominal form at about 0.01; how far that is
-            from the numbers, `ks.singularities` says (`residual`).
+        tolerance: angles [rad] this close to a multiple of 15 degrees are taken for it (of a whole degree: a thousandth of
+            this), lengths below a tenth of it in reaches of the arm for zero. A calibrated robot has its nominal form at
+            about 0.01; how far that is from the numbers, `ks.singularities` says (`residual`).
 
     Returns:
         RobotModel of SymPy numbers. Its links, joints, limits and order are the same.
@@ -140,7 +141,7 @@ class _Reader:
     def length(self, value: Any) -> Any:
         import sympy
 
-        return sympy.Integer(0) if abs(value) <= self.tolerance * 1e-3 * self.reach else fraction(value)
+        return sympy.Integer(0) if abs(value) <= _OF_REACH * self.tolerance * self.reach else fraction(value)
 
     def angle(self, value: Any) -> Any:
         """A multiple of pi where it is one, else a fraction of a radian."""
