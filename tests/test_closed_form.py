@@ -7,8 +7,11 @@ import numpy as np
 import pytest
 
 import kinestatics as ks
-from kinestatics.symbolic.closed_form import QUANTITIES, ClosedForm, closed_form
+from kinestatics import ClosedForm, closed_form
+from kinestatics.symbolic.chain import ExactChain
+from kinestatics.symbolic.closed_form import QUANTITIES
 from kinestatics.symbolic.code import by_definition, drawn, evaluated
+from kinestatics.symbolic.ring import TrigonometricRing
 
 sympy = pytest.importorskip("sympy")
 pytest.importorskip("flint")
@@ -237,6 +240,31 @@ def test_errors_of_robots():
     helical = ks.from_screws([(0, 0, 0.1, 0, 0, 1)], np.eye(4))
     with pytest.raises(ks.ConfigurationError, match="KS391"):
         closed_form("jacobian", helical)
+
+
+@pytest.mark.parametrize("first", ["continuous", "prismatic"])
+def test_a_coordinate_that_turns_and_slides(first, tmp_path):
+    """One coordinate for two kinds of joint is refused where the chain is made, whichever comes first."""
+    kinds = [first, "prismatic" if first == "continuous" else "continuous"]
+    limit = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
+    path = tmp_path / "mixed.urdf"
+    path.write_text(
+        f"""<robot name="mixed"><link name="a"/><link name="b"/><link name="c"/>
+        <joint name="j" type="{kinds[0]}"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/>{limit}</joint>
+        <joint name="k" type="{kinds[1]}"><parent link="b"/><child link="c"/><origin xyz="0.5 0 0"/>
+        <axis xyz="1 0 0"/>{limit}<mimic joint="j" multiplier="2"/></joint></robot>"""
+    )
+    arm = ks.load(str(path), tip="c")
+    for call in (lambda: ExactChain.of(arm), lambda: closed_form("jacobian", arm), lambda: ks.singularities(arm)):
+        with pytest.raises(ks.ConfigurationError, match="KS391: joint 'j' turns one joint and slides another"):
+            call()
+
+
+def test_whole_numbers_of_python_are_polynomials():
+    """As SymPy's own are."""
+    ring = TrigonometricRing((), ())
+    assert [ring.read(k) for k in (-2, 0, 1)] == [ring.read(sympy.Integer(k)) for k in (-2, 0, 1)]
+    assert TrigonometricRing((), ()).read(3) == 3
 
 
 def test_no_simplification_anywhere(monkeypatch):

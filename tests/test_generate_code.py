@@ -12,9 +12,8 @@ import numpy as np
 import pytest
 
 import kinestatics as ks
-from kinestatics.symbolic import code
-from kinestatics.symbolic.closed_form import closed_form
-from kinestatics.symbolic.code import LANGUAGES, by_definition, drawn, evaluated, generate_code
+from kinestatics import closed_form, generate_code
+from kinestatics.symbolic.code import LANGUAGES, by_definition, drawn, evaluated, generate, steps
 
 sympy = pytest.importorskip("sympy")
 pytest.importorskip("flint")
@@ -345,17 +344,17 @@ def test_header():
 def test_the_check_finds_faults(monkeypatch):
     """A wrong step, and a form that is not the robot's, are refused."""
     form = FORMS["planar jacobian"]()
-    good = code._steps
+    good = steps.steps_of
 
     def wrong(program, names):
-        steps = good(program, names)
-        return code.Steps(steps.assignments, (steps.results[0] + sympy.Rational(1, 10**9), *steps.results[1:]))
+        found = good(program, names)
+        return steps.Steps(found.assignments, (found.results[0] + sympy.Rational(1, 10**9), *found.results[1:]))
 
-    monkeypatch.setattr(code, "_steps", wrong)
+    monkeypatch.setattr(generate, "steps_of", wrong)
     with pytest.raises(ks.KinestaticsError, match="KS396"):
         generate_code(form)
     assert generate_code(form, check=False)
-    monkeypatch.setattr(code, "_steps", good)
+    monkeypatch.setattr(generate, "steps_of", good)
     from dataclasses import replace
 
     with pytest.raises(ks.KinestaticsError, match="KS396: the code differs from the numeric definition"):

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import kinestatics as ks
-from kinestatics.symbolic.closed_form import QUANTITIES, closed_form
-from kinestatics.symbolic.derivation import derivation
-from kinestatics.symbolic.latex import symbol, to_latex
+from kinestatics import closed_form, derivation, to_latex
+from kinestatics.symbolic.closed_form import QUANTITIES
+from kinestatics.symbolic.latex_names import symbol
 
 sympy = pytest.importorskip("sympy")
 pytest.importorskip("flint")

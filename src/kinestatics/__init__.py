@@ -152,9 +152,22 @@ if TYPE_CHECKING:
         tip_stiffness as tip_stiffness,
         wrench_from_torques as wrench_from_torques,
     )
+    from .symbolic.closed_form import (
+        ClosedForm as ClosedForm,
+        closed_form as closed_form,
+    )
+    from .symbolic.code import (
+        generate_code as generate_code,
+    )
+    from .symbolic.derivation import (
+        derivation as derivation,
+    )
     from .symbolic.exact import (
         exact as exact,
         joint_symbols as joint_symbols,
+    )
+    from .symbolic.latex import (
+        to_latex as to_latex,
     )
     from .tasks import (
         Task as Task,
@@ -288,10 +301,17 @@ _CONTENTS = {  # what is public and where it is defined; a module is imported wh
         "tip_stiffness",
         "wrench_from_torques",
     ),
+    "symbolic.closed_form": (
+        "ClosedForm",
+        "closed_form",
+    ),
+    "symbolic.code": ("generate_code",),
+    "symbolic.derivation": ("derivation",),
     "symbolic.exact": (
         "exact",
         "joint_symbols",
     ),
+    "symbolic.latex": ("to_latex",),
     "tasks": (
         "Task",
         "characteristic_length",

@@ -5,9 +5,8 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 import kinestatics as ks
-from kinestatics.symbolic.closed_form import closed_form
+from kinestatics import closed_form, exact
 from kinestatics.symbolic.code import evaluated
-from kinestatics.symbolic.exact import exact
 from strategies import Features, assert_close, random_pose
 
 PLAIN = ("pose", "jacobian", "velocity", "acceleration", "joint_torques")

@@ -26,7 +26,7 @@ def to_sympy(ring: TrigonometricRing, p: Polynomial) -> Any:
     """A polynomial in whole angles, as a sum of products."""
     import sympy
 
-    values = _values(ring)
+    values = generator_values(ring)
     terms = []
     for exponents, coefficient in p.to_dict().items():
         factors = [value ** int(e) for value, e in zip(values, exponents, strict=False) if e]
@@ -95,7 +95,8 @@ def shortest_in_whole_angles(half: HalfAngleRing, p: Polynomial) -> Any:
 _FEW, _MANY = 12, 60
 
 
-def _values(ring: TrigonometricRing) -> list[Any]:
+def generator_values(ring: TrigonometricRing) -> list[Any]:
+    """What every generator of a ring stands for, in the order of the generators."""
     import sympy
 
     size = ring.parameter_place(0) + len(ring.parameters) + len(ring.roots)

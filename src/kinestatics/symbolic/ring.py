@@ -154,7 +154,7 @@ class TrigonometricRing:
         return self.reduced(sum(parts, self.zero))
 
     def read(self, expression: Any) -> Polynomial:
-        """A SymPy expression of parameters and constant angles.
+        """A SymPy expression of parameters and constant angles, or a whole number of Python.
 
         Raises:
             ArrayTypeError: KS390, where it is no polynomial of them.
@@ -167,6 +167,8 @@ class TrigonometricRing:
     def _translated(self, expression: Any) -> Polynomial:
         import sympy
 
+        if isinstance(expression, int):
+            return self.context.constant(expression)
         if expression.is_Rational:
             return self.context.constant(flint().fmpq(int(expression.p), int(expression.q)))
         if expression in self.parameters:
@@ -187,12 +189,19 @@ class TrigonometricRing:
         if expression.is_Pow and expression.exp.is_Integer and expression.exp > 0:
             return self.read(expression.base) ** int(expression.exp)
         if expression.is_Pow and expression.base.is_Integer and 2 * expression.exp in (1, -1):
-            root = self.one
-            for prime, times in sympy.factorint(expression.base).items():
-                place = self.parameter_place(len(self.parameters) + self.roots.index(int(prime)))
-                root *= self.generator(place) ** times
+            root = self._root(int(expression.base))
             return root if expression.exp > 0 else root / int(expression.base)
         raise not_polynomial(expression)
+
+    def _root(self, number: int) -> Polynomial:
+        """The square root of a whole number."""
+        import sympy
+
+        root = self.one
+        for prime, times in sympy.factorint(number).items():
+            place = self.parameter_place(len(self.parameters) + self.roots.index(int(prime)))
+            root *= self.generator(place) ** times
+        return root
 
 
 def not_polynomial(expression: Any) -> ArrayTypeError:
