@@ -449,6 +449,10 @@ MISTAKES = {
     "a box upside down": (lambda: singularities(ks.load("kr5")).certify_free(([1] * 6, [0] * 6)), "KS303"),
     "neither box nor path": (lambda: singularities(ks.load("kr5")).certify_free(), "KS303"),
     "a posture of five": (lambda: singularities(ks.load("kr5")).distance([0] * 5), "KS303"),
+    "a calibrated robot without a tolerance": (
+        lambda: singularities(ks.from_dh(np.random.default_rng(0).normal(size=(6, 4)), convention="standard")),
+        "KS399.*tolerance",
+    ),
     "a tolerance of one": (lambda: ks.exact(ks.load("kr5"), 1.0), "KS353"),
     "an unknown task": (lambda: singularities(ks.load("kr5"), "wrist"), "KS318"),
     "a certificate of slides": (
@@ -461,5 +465,5 @@ MISTAKES = {
 @pytest.mark.parametrize("mistake", MISTAKES)
 def test_mistakes_are_named(mistake):
     call, message = MISTAKES[mistake]
-    with pytest.raises(ks.KinestaticsError, match=message):
+    with pytest.raises(ks.KinestaticsError, match=f"(?s){message}"):
         call()

@@ -14,7 +14,6 @@ from ..errors import ArrayTypeError, ConfigurationError
 from ..frames import TIP
 from ..kinematics import jacobian, require_model
 from ..model import RobotModel
-from ..namespaces import Array
 from ..spatial import LINEAR_ROWS
 from ..symbolic.branches import Splitter
 from ..symbolic.chain import ExactChain, determinant
@@ -22,6 +21,7 @@ from ..symbolic.exact import exact, free_symbols
 from ..symbolic.halfangle import HalfAngleRing
 from ..symbolic.printing import shortest
 from ..symbolic.ring import Polynomial
+from ..symbolic.values import in_numbers
 from ..tasks import Task, find_task
 from .components import Component, components_of
 from .equations import Equation, Space, equations
@@ -30,6 +30,7 @@ from .singular_set import SingularSet
 _BUDGET = 20.0
 _RESIDUAL_SAMPLES = 32
 _MOST_MINORS = 500
+_MOST_ANGLES = 3  # that are general: with more, polynomials of a robot of numbers grow beyond use
 _SHORT = 40  # terms of a factor whose zeros are looked for while conditions are split
 
 
@@ -58,7 +59,7 @@ def singularities(
 
     Raises:
         ConfigurationError: KS391 for screw joints and odd mimic ratios; KS397 for values that are missing or no numbers;
-            KS399 for more joints than can be gone through.
+            KS399 for more joints, or more general angles, than can be gone through.
         ArrayTypeError: KS390. UnknownNameError: KS310, KS318. MissingExtraError: KS400.
 
     Law: rank J(q) < rank of the task at almost every q. The determinant is computed in the frame of a middle link and
@@ -122,11 +123,15 @@ def _prepared(
             raise ConfigurationError("KS397", f"lengths is {lengths!r}", hint)
         nominal = exact(model, tolerance)
         chain = ExactChain.of(nominal, at)
+        if len(chain.ring.constants) > _MOST_ANGLES:
+            message = f"{len(chain.ring.constants)} angles of the robot are no right angles, nor multiples of 15 degrees"
+            hint = "singularities(arm, tolerance=0.01) finds the nominal form of a calibrated robot, and how far it is"
+            raise ConfigurationError("KS399", message, hint)
         chain = chain if lengths == "numbers" else chain.named()
-        return _with_values(nominal, {}), chain, {s: float(v) for s, v in chain.lengths.items()}, True
+        return in_numbers(nominal, {}), chain, {s: float(v) for s, v in chain.lengths.items()}, True
     symbols = sorted(free_symbols(model), key=str)
     values, given = _values(symbols, lengths)
-    return _with_values(model, values), ExactChain.of(model, at), values, given
+    return in_numbers(model, values), ExactChain.of(model, at), values, given
 
 
 def _values(symbols: Sequence[Any], lengths: Any) -> tuple[dict[Any, float], bool]:
@@ -144,17 +149,6 @@ def _values(symbols: Sequence[Any], lengths: Any) -> tuple[dict[Any, float], boo
         return {symbol: float(by_name[str(symbol)]) for symbol in symbols}, True
     except (TypeError, ValueError):
         raise ArrayTypeError("KS302", f"lengths are {lengths!r}", "numbers, by symbol or by name") from None
-
-
-def _with_values(model: RobotModel, values: Mapping[Any, float]) -> RobotModel:
-    """A robot of symbols with numbers in their place."""
-
-    def numbers(array: Array) -> Array:
-        if array.dtype != object:
-            return array
-        return np.array([float(getattr(x, "subs", lambda _, x=x: x)(values)) for x in array.flat]).reshape(array.shape)
-
-    return RobotModel(**model.map(numbers).__getstate__())
 
 
 def _minors(chain: ExactChain, task: Task) -> list[Polynomial]:
