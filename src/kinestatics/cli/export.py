@@ -65,4 +65,5 @@ def _frame(name: str, link: str) -> Frame | str:
     """The frame by its word."""
     if name not in _FRAMES:
         raise UnknownNameError("KS393", f"frame {name!r} is not known", nearest(name, _FRAMES) or ", ".join(_FRAMES))
-    return {"geometric": Frame(BASE, link), "body": Frame.body(link), "spatial": Frame.spatial(), "auto": "auto"}[name]
+    frames: dict[str, Frame | str] = {"geometric": Frame(BASE, link), "body": Frame.body(link), "spatial": Frame.spatial()}
+    return frames.get(name, name)
