@@ -439,6 +439,111 @@ def test_a_card_in_words():
     assert np.isclose(regular.gain, 1 / ks.singular_values(ks.jacobian(ks.load("planar_2r"), [0.3, 1.0]))[-1])
 
 
+# Found in review
+
+
+def orthogonal(*rows):
+    """An arm of three joints with axes at right angles: (a, alpha, d) of each row."""
+    return ks.from_dh([(*row, 0.0) for row in rows], convention="standard")
+
+
+def test_a_double_root_is_not_void():
+    """sqrt(2) a2 - a3 sin q3 + a3 cos q3 with a2 = a3 touches zero at q3 = 135 degrees: floats alone say it does not."""
+    a1, a2, a3, d2 = sympy.symbols("a1 a2 a3 d2", positive=True)
+    right = sympy.pi / 2
+    rows = [(a1, -right, 0, 0), (a2, right, d2, 0), (a3, 0, 0, right / 2)]
+    lengths = {"a1": 1, "a2": 0.7, "a3": 0.7, "d2": 0.3}
+    found = singularities(ks.from_dh(rows, convention="standard"), "position", lengths=lengths)
+    q = np.array([0.3, 0.4, 0.75 * np.pi])
+    assert spectrum(found.model, q, found.task, "tip")[-1] < 1e-12
+    assert all(e.real is not False for e, _ in found.factors)
+    assert found.certify_free((q - 0.01, q + 0.01)).verdict != "free"
+
+
+def test_one_row_alone_can_be_lost():
+    """The velocity along x of a planar arm: rank 0 where it is straight along x, whatever rounding is left there."""
+    found = singularities(ks.load("planar_2r"), "vx")
+    assert all(component.sound for component in found.components)
+    for q in ([0.0, 0.0], [np.pi, 0.0], [0.0, np.pi]):
+        assert found.at(q).is_singular
+        assert found.at(q).rank == 0
+
+
+@pytest.mark.parametrize("rows", [((0.87, -np.pi / 2, 0.0), (0.39, np.pi / 2, 1.43), (0.61, 0.0, 0.0))])
+def test_cusps_do_not_hang_on_the_step(rows):
+    """A factor of one joint has none: along it the kernel may lie in the curve everywhere."""
+    found = singularities(orthogonal(*rows), "position")
+    assert {len(found.cusps(step)) for step in (0.005, 0.02, 0.05)} == {2}
+
+
+@pytest.mark.parametrize(
+    ("rows", "count"),
+    [
+        (((0.59, -np.pi / 2, 0.0), (0.79, np.pi / 2, 0.37), (0.72, 0.0, 0.0)), 2),
+        (((0.24, -np.pi / 2, 0.0), (0.9, np.pi / 2, 0.63), (1.22, 0.0, 0.0)), 5),
+    ],
+)
+def test_aspects_are_those_of_a_flood_fill(rows, count):
+    """Regions of one sign on a fine grid of the torus (q2, q3), joined over its edges, and ours from two seeds."""
+    ndimage = pytest.importorskip("scipy.ndimage", reason="a judge of the dev extra")
+    arm = orthogonal(*rows)
+    found = singularities(arm, "position")
+    size = 600
+    axis = np.linspace(-np.pi, np.pi, size, endpoint=False) + 1e-3
+    q = np.zeros((size, size, 3))
+    q[..., 1], q[..., 2] = np.meshgrid(axis, axis, indexing="ij")
+    sign = np.sign(numeric_determinant(arm, q.reshape(-1, 3), found.task)).reshape(size, size)
+    regions = 0
+    for side in (1, -1):
+        tiled = np.tile(sign == side, (3, 3))
+        labels, _ = ndimage.label(tiled)
+        middle = labels[size : 2 * size, size : 2 * size]
+        parents = {int(k): int(k) for k in np.unique(labels) if k}
+
+        def root(k, parents=parents):
+            while parents[k] != k:
+                k = parents[k]
+            return k
+
+        for i, j in itertools.product(range(3), range(3)):
+            tile = labels[i * size : (i + 1) * size, j * size : (j + 1) * size]
+            for a, b in {(int(x), int(y)) for x, y in zip(middle.ravel(), tile.ravel(), strict=True) if x}:
+                parents[max(root(a), root(b))] = min(root(a), root(b))
+        regions += len({root(int(k)) for k in np.unique(middle) if k})
+    assert regions == count
+    assert [found.aspects(400, seed).count for seed in (0, 1)] == [count, count]
+
+
+def test_what_is_of_the_nominal_robot_says_so():
+    """A noisy arm at tolerance 0.01: certificate and card name the difference."""
+    rng, lengths = np.random.default_rng(0), ROBOTS["ur5"]["params"]
+    table = [
+        [number(a, lengths), np.radians(b), number(d, lengths), np.radians(t)] for a, b, d, t in ROBOTS["ur5"]["dh"]["rows"]
+    ]
+    noisy = ks.from_dh(np.array(table) + rng.normal(size=(6, 4)) * 2e-3, convention="standard")
+    found = singularities(noisy, tolerance=0.01)
+    q = np.array([0.3, -0.9, 0.8, 0.5, 0.6, 0.2])
+    assert "nominal" in str(found.certify_free((q - 0.01, q + 0.01)))
+    assert "nominal" in str(found.at(q))
+
+
+def test_symbols_without_numbers_have_no_distances():
+    """Lengths that were drawn to find the structure are not shown as facts."""
+    a1, a2 = sympy.symbols("a1 a2", positive=True)
+    found = singularities(ks.from_dh([(a1, 0, 0, 0), (a2, 0, 0, 0)], convention="standard"))
+    for call in (found.distance, found.at, lambda q: found.trace([0, 1], q), lambda q: found.certify_free((q, q))):
+        with pytest.raises(ks.ConfigurationError, match="KS398"):
+            call([0.1, 0.2])
+
+
+def test_only_a_square_jacobian_has_a_determinant():
+    """Two joints and three rows, of which one minor lives: no determinant is printed."""
+    found = singularities(ks.load("planar_2r"), "position")
+    assert found.determinant is None
+    assert "det" not in str(found)
+    assert [c.columns for c in found.components] == [(1,)]
+
+
 MISTAKES = {
     "a screw joint": (lambda: singularities(ks.from_screws([[0.1, 0, 0, 1, 0, 0]], order="linear-angular")), "KS391"),
     "unknown lengths": (lambda: singularities(ks.load("ur5e"), lengths="none"), "KS397"),
@@ -453,6 +558,10 @@ MISTAKES = {
         lambda: singularities(ks.from_dh(np.random.default_rng(0).normal(size=(6, 4)), convention="standard")),
         "KS399.*tolerance",
     ),
+    "cusps where the first joint counts": (lambda: singularities(ks.load("elbow_rrr"), "vx,vz,wz").cusps(), "KS398"),
+    "cusps of six joints": (lambda: singularities(ks.load("kr5")).cusps(), "KS398"),
+    "aspects of a redundant arm": (lambda: singularities(ks.load("iiwa_14")).aspects(), "KS398"),
+    "a trace of one joint": (lambda: singularities(ks.load("kr5")).trace(["joint_a1"]), "KS3"),
     "a tolerance of one": (lambda: ks.exact(ks.load("kr5"), 1.0), "KS353"),
     "an unknown task": (lambda: singularities(ks.load("kr5"), "wrist"), "KS318"),
     "a certificate of slides": (

@@ -42,7 +42,9 @@ def command(
     as_json: Json = False,
 ) -> None:
     """The arm's formulas in their shortest form: as text, LaTeX, a derivation, or code."""
-    from .. import closed_form, generate_code, to_latex
+    from ..symbolic.closed_form import closed_form
+    from ..symbolic.code import generate_code
+    from ..symbolic.latex import to_latex
 
     model = read_robot(robot, base, tip, hold, package_root, allow_xacro)
     wanted = _frame(frame, link) if quantity not in _OF_NO_FRAME else "auto"

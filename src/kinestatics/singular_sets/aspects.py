@@ -1,9 +1,10 @@
 """Aspects: the regions of joint space that singular postures separate, counted from the critical points of the determinant.
 
 Every region of det > 0 holds a greatest value, every region of det < 0 a least one. Two of these lie in one region where a
-pass joins them: a critical point from which |det| rises in one direction only; walking up both ways ends at the two
-(Milnor, "Morse Theory", section 3). The critical points are found by Newton steps from many postures, so that the count is
-measured and not proved; that there are no fewer than the signs show is certain.
+pass joins them, a critical point from which |det| rises in one direction only: walking up both ways ends at the two
+(Milnor, "Morse Theory", section 3); or where any way leads from one to the other on which det J does not vanish. The
+critical points are found by Newton steps from many postures, so that the count is measured and not proved; that there are
+no fewer than the signs show is certain.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from ..symbolic.functions import WaveFunction
 
 _NEWTON, _CLIMB = 80, 400
 _FLAT, _SAME, _PUSH = 1e-10, 1e-4, 1e-3
+_STONES, _NEIGHBOURS, _POINTS = 5, 14, 24
 _ZERO = 1e-6  # critical values this small beside the largest lie on the singular set itself
 
 
@@ -83,13 +85,15 @@ def count_aspects(f: WaveFunction, n: int, starts: int, seed: int) -> Aspects:
     critical, values, curved = critical[kept], values[kept], curved[kept]
     rising = (curved * np.sign(values)[:, None] > 0).sum(1)
     climbers = np.concatenate([critical[rising == 0], points])  # a walk up finds what Newton's steps passed by
-    tops, passes = _distinct(_climbed(own, climbers)), critical[rising == 1]
+    tops, passes = _distinct(_critical(own, _climbed(own, climbers))), critical[rising == 1]
+    tops = tops[_is_top(own, tops)]
     groups = list(range(len(tops)))
     for point in passes:
         ends = _ends_of(own, point, tops)
         if len(ends) == 2:
             a, b = (_root(groups, k) for k in ends)
             groups[max(a, b)] = min(a, b)
+    _join_by_stones(own, tops, groups, starts, seed)
     roots = sorted({_root(groups, k) for k in range(len(tops))})
     found = np.zeros((len(roots), n))
     for place, root in enumerate(roots):
@@ -116,8 +120,19 @@ class _Restricted:
     def gradient(self, x: Array) -> Array:
         return self.f.gradient(self._whole(x))[..., self.joints]
 
+    def slope_bound(self) -> Array:
+        size = np.hypot(self.f.cosines, self.f.sines)
+        return (size @ np.abs(self.f.frequencies))[self.joints]
+
     def hessian(self, x: Array) -> Array:
         return self.f.hessian(self._whole(x))[..., self.joints, :][..., self.joints]
+
+
+def _is_top(own: _Restricted, x: Array) -> Array:
+    """(k) whether |f| is greatest at a critical point, and not zero."""
+    values, curved = own.value(x), np.linalg.eigvalsh(own.hessian(x))
+    high = np.abs(values) > _ZERO * np.abs(values).max(initial=0.0)
+    return np.asarray(np.all(curved * np.sign(values)[:, None] < 0, axis=-1) & high)
 
 
 def _critical(own: _Restricted, x: Array) -> Array:
@@ -154,13 +169,40 @@ def _ends_of(own: _Restricted, point: Array, tops: Array) -> list[int]:
     sign = float(np.sign(own.value(point[None])[0]))
     values, vectors = np.linalg.eigh(own.hessian(point[None])[0] * sign)
     direction = vectors[:, int(values.argmax())]
-    ends = _climbed(own, np.stack([point + _PUSH * direction, point - _PUSH * direction]))
+    ends = _critical(own, _climbed(own, np.stack([point + _PUSH * direction, point - _PUSH * direction])))
     found = []
     for end in ends:
         apart = _apart(end, tops)
         if len(apart) and apart.min() < 0.05:
             found.append(int(apart.argmin()))
     return found
+
+
+def _join_by_stones(own: _Restricted, tops: Array, groups: list[int], starts: int, seed: int) -> None:
+    """Joins extrema between which a way of straight pieces leads, from stone to stone, on none of which f vanishes.
+
+    That it does not on a piece follows from the values at a few points of it and a bound on the slope along it.
+    """
+    stones = np.random.default_rng(seed + 1).uniform(-np.pi, np.pi, (_STONES * starts, tops.shape[1]))
+    x = np.concatenate([tops, stones])
+    sign, parents = np.sign(own.value(x)), list(range(len(x)))
+    for k in range(len(tops)):
+        parents[k] = groups[k]
+    slope = own.slope_bound()
+    for a in range(len(x)):
+        difference = np.mod(x - x[a] + np.pi, 2 * np.pi) - np.pi
+        near = np.argsort(np.linalg.norm(difference, axis=1))[1 : _NEIGHBOURS + 1]
+        near = near[(sign[near] == sign[a]) & np.array([_root(parents, int(b)) != _root(parents, a) for b in near])]
+        if not len(near):
+            continue
+        ways = difference[near]
+        shares = (np.arange(_POINTS) + 0.5) / _POINTS
+        least = np.abs(own.value(x[a] + shares[:, None, None] * ways)).min(0)
+        for b in near[least > 0.5 / _POINTS * (np.abs(ways) @ slope)]:
+            one, other = _root(parents, a), _root(parents, int(b))
+            parents[max(one, other)] = min(one, other)
+    for k in range(len(tops)):
+        groups[k] = _root(parents, k)
 
 
 def _apart(x: Array, others: Array) -> Array:

@@ -14,7 +14,7 @@ from ..quantities import format_number, plain, wrapped
 from ..screws_in_words import Screw, describe_free_wrench, describe_lost_twist
 from ..spatial import size_weights
 from ..statics.subspaces import Decomposition, decompose
-from ..tasks import Task, characteristic_length, prismatic_columns
+from ..tasks import Task, characteristic_length, prismatic_columns, without_rounding
 from .axes import AxisRelation, axis_relations
 from .distance import Distance
 from .reach import Boundary
@@ -38,6 +38,7 @@ class Card:
         boundary: what a search over other branches says; None where it was not asked for, or the posture is not singular.
         weakest: (6) the twist that costs the most joint motion, of size 1; rates: (n) the joint rates for it, infinite rates
             as a unit vector; gain: the rates' size, infinite where singular.
+        residual: how far the nominal robot, of which all this is, is from the one given.
     """
 
     model: RobotModel
@@ -55,6 +56,7 @@ class Card:
     weakest: Array
     rates: Array
     gain: float
+    residual: float
 
     @property
     def rank(self) -> int:
@@ -87,6 +89,7 @@ class Card:
             "weakest": plain(self.weakest),
             "rates": plain(self.rates),
             "gain": plain(np.array(self.gain)),
+            "residual": self.residual,
         }
 
     def __str__(self) -> str:
@@ -104,6 +107,9 @@ class Card:
             lines.append(wrapped("  class  ", self.second_order.text))
         if self.boundary is not None:
             lines.append(wrapped("  reach  ", self.boundary.text))
+        if self.residual > 1e-9:
+            note = f"all this is of the nominal robot; the robot as given differs by up to {format_number(self.residual)}"
+            lines.append(wrapped("  note   ", note))
         lines.append(wrapped("  speed  ", self._speed()))
         lines.append(wrapped("  force  ", self._force()))
         lines += [wrapped("  near   ", str(distance)) for distance in self.near[:_NEAR]]
@@ -128,12 +134,14 @@ class Card:
         if not np.isfinite(self.gain):
             return f"near here the lost motion takes rates without bound of {self._joints()}"
         unit = "rad/s" if not np.any(prismatic_columns(self.model)) else "rad/s or m/s"
-        return f"{self._weakest_words()} takes the most: {format_number(self.gain)} {unit} for 1 m/s, by {self._joints()}"
+        size = f"a twist of size 1, {format_number(self.decomposition.characteristic_length)} m times the turning"
+        return f"{self._weakest_words()} takes the most: {format_number(self.gain)} {unit} for {size}, by {self._joints()}"
 
     def _force(self) -> str:
         if not np.isfinite(self.gain):
             return "the structure carries what is held for free, as a straight leg does: large forces for no torque"
-        return f"to push against that motion with 100 N takes {format_number(100.0 / self.gain)} N m of the joints"
+        size = format_number(100.0 / self.gain)
+        return f"a wrench of size 100 against that motion takes joint torques of size {size}"
 
 
 def card_of(
@@ -146,9 +154,10 @@ def card_of(
     second: SecondOrder | None,
     boundary: Boundary | None,
     tolerance: float,
+    residual: float,
 ) -> Card:
     """The card of a posture (n)."""
-    J = jacobian(model, q, at=at, check_finite=False).array
+    J = without_rounding(model, jacobian(model, q, at=at, check_finite=False).array)
     length = characteristic_length(model, at)
     parts = decompose(J, task.rows, length, tolerance)
     spare = max(0, task.rank - parts.rank)  # rows that never move count as lost everywhere, and are left out
@@ -173,6 +182,7 @@ def card_of(
         weakest,
         rates,
         gain,
+        residual,
     )
 
 

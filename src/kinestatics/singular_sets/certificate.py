@@ -16,9 +16,9 @@ import numpy as np
 
 from ..errors import ConfigurationError
 from ..namespaces import Array
-from ..symbolic.ring import Polynomial, flint
 from .components import Component
-from .equations import Equation, Space
+from .enclosure import Domain, Enclosure
+from .equations import Equation
 
 FREE, SINGULAR, UNDECIDED = "free", "singular", "undecided"
 _PIECES, _SMALLEST = 4000, 1e-7
@@ -34,6 +34,7 @@ class Certificate:
         witness: (n) a singular posture inside, to rounding; None for the others.
         component: the one it lies on, or the first that could not be excluded.
         pieces: how many pieces were looked at; seconds: what it took.
+        residual: how far the nominal robot, of which it is, is from the one given.
     """
 
     verdict: str
@@ -41,6 +42,7 @@ class Certificate:
     component: Component | None
     pieces: int
     seconds: float
+    residual: float = 0.0
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""
@@ -49,96 +51,25 @@ class Certificate:
             "witness": None if self.witness is None else self.witness.tolist(),
             "component": None if self.component is None else self.component.name,
             "pieces": self.pieces,
+            "residual": self.residual,
         }
 
     def __str__(self) -> str:
         if self.verdict == FREE:
-            return f"free of singularities: proved in {self.pieces} pieces"
+            text = f"free of singularities: proved in {self.pieces} pieces"
+            return text + self._of_nominal()
         name = "" if self.component is None else f" ({self.component.name})"
         if self.verdict == SINGULAR:
-            return f"singular{name}: for one at {np.array2string(np.asarray(self.witness), precision=6)}"
+            where = np.array2string(np.asarray(self.witness), precision=6)
+            return f"singular{name}: for one at {where}{self._of_nominal()}"
+        return self._undecided(name)
+
+    def _of_nominal(self) -> str:
+        known = self.residual <= 1e-9
+        return "" if known else f", for the nominal robot; the one given differs by up to {self.residual:.1e}"
+
+    def _undecided(self, name: str) -> str:
         return f"undecided{name} after {self.pieces} pieces: smaller boxes or a larger budget may decide"
-
-
-@dataclass(frozen=True, eq=False)
-class Domain:
-    """q = origin + Σ s_i directions_i with every s_i in [-1, 1]: a box, or a straight piece of a path."""
-
-    origin: Array
-    directions: Array
-
-    @classmethod
-    def of_box(cls, lower: Array, upper: Array) -> Domain:
-        """The box between two corners; joints that stand still take no parameter."""
-        centre = (lower + upper) / 2.0
-        half = np.maximum(upper - centre, centre - lower)
-        half = np.where(
-            half > 0, half + 2.0 * np.spacing(np.maximum(np.abs(lower), np.abs(upper))), 0.0
-        )  # covers the corners
-        return cls(centre, np.diag(half)[half > 0])
-
-    def at(self, s: Array) -> Array:
-        """(..., n) for s (..., k)."""
-        return self.origin + s @ self.directions
-
-
-class Enclosure:
-    """An equation's factor on a domain, as intervals."""
-
-    def __init__(self, F: Polynomial, space: Space, exact: dict[Any, Any], domain: Domain) -> None:
-        arb = flint().arb
-        ring = space.half.ring
-        turning = [j for j, turns in enumerate(ring.turns) if turns]
-        constants = [_number(x, exact) for x in ring.constants]
-        lengths = [_number(exact[x], exact) for x in ring.parameters] + [arb(p).sqrt() for p in ring.roots]
-        slides = len(ring.slides)
-        origin = [arb(float(x)) for x in domain.origin]
-        directions = [[arb(float(x)) for x in row] for row in domain.directions]
-        self.terms: list[tuple[Any, Any, Any, list[Any]]] = []
-        for k, group in space.waves(F).items():
-            cosine = sine = arb(0)
-            for exponents, (a, b) in group.items():
-                size = arb(1)
-                for x, e in zip(lengths, exponents[slides:], strict=True):
-                    size *= x**e
-                cosine += size * arb(flint().fmpq(a.numerator, a.denominator))
-                sine += size * arb(flint().fmpq(b.numerator, b.denominator))
-            weights = [arb(x) / 2 for x in k]
-            phase = sum((w * x for w, x in zip(weights[len(turning) :], constants, strict=True)), arb(0))
-            phase += sum((w * origin[j] for w, j in zip(weights, turning, strict=False)), arb(0))
-            rates = [sum((w * row[j] for w, j in zip(weights, turning, strict=False)), arb(0)) for row in directions]
-            self.terms.append((cosine, sine, phase, rates))
-
-    def sign(self, low: Array, high: Array) -> int:
-        """1 or -1 where the factor certainly has that sign on a piece, 0 where that is not known."""
-        arb = flint().arb
-        centre = [arb(float(x)) for x in (low + high) / 2.0]
-        spread = [arb(0, float(x)) for x in np.nextafter((high - low) / 2.0, np.inf) * (1.0 + 1e-15)]
-        value = arb(0)
-        slopes = [arb(0)] * len(centre)
-        for cosine, sine, phase, rates in self.terms:
-            at = phase + sum((r * c for r, c in zip(rates, centre, strict=True)), arb(0))
-            s, c = at.sin_cos()
-            value += cosine * c + sine * s
-            if any(r != 0 for r in rates):
-                s, c = (at + sum((r * x for r, x in zip(rates, spread, strict=True)), arb(0))).sin_cos()
-                bend = sine * c - cosine * s
-                slopes = [d + r * bend for d, r in zip(slopes, rates, strict=True)]
-        value += sum((d * x for d, x in zip(slopes, spread, strict=True)), arb(0))
-        return 1 if value > 0 else -1 if value < 0 else 0
-
-
-def _number(expression: Any, exact: dict[Any, Any]) -> Any:
-    """A SymPy number as an interval."""
-    import sympy
-
-    arb, x = flint().arb, sympy.sympify(expression).subs(exact)
-    if x.is_Rational:
-        return arb(flint().fmpq(int(x.p), int(x.q)))
-    ratio = x / sympy.pi
-    if ratio.is_Rational:
-        return arb.pi() * arb(flint().fmpq(int(ratio.p), int(ratio.q)))
-    raise ConfigurationError("KS398", f"{x} is no number that intervals can hold", "rational lengths, and parts of pi")
 
 
 def certify(
@@ -161,7 +92,8 @@ def certify(
 def _excluded(component: Component, domain: Domain, exact: dict[Any, Any], deadline: float) -> tuple[str, Array | None, int]:
     """ "free" where a piece-wise proof succeeds, "singular" with a posture inside, else "undecided"; and the pieces used."""
     groups = [[equation] for equation in component.equations] + [list(group) for group in component.others]
-    forms = [[Enclosure(F, component.space, exact, domain) for e in group for F in e.parts] for group in groups]
+    space = component.space
+    forms = [[Enclosure(space.half, space.waves(F), exact, domain) for e in group for F in e.parts] for group in groups]
     k = len(domain.directions)
     queue: list[tuple[float, int, Array, Array]] = [(0.0, 0, -np.ones(k), np.ones(k))]
     count = serial = 0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -18,7 +19,7 @@ from ..spatial import ANGULAR_ROWS
 from ..symbolic.branches import Branch
 from ..symbolic.functions import WaveFunction
 from ..symbolic.halfangle import HalfAngleRing
-from ..tasks import Task, characteristic_length
+from ..tasks import Task, characteristic_length, without_rounding
 from .equations import Equation, Space, together
 from .names import name_of
 
@@ -27,6 +28,7 @@ _STEPS, _ON = 60, 1e-13
 _DROPS = 1e-9
 _RANK = 1e-6
 _CHOICES, _SAME = 40, 1e-9
+_GENERAL = 8
 _NAMED = 6  # points by which a component is named
 
 
@@ -161,7 +163,8 @@ class Component:
 
     def text(self) -> str:
         """The equations, one after the other."""
-        return " and ".join(equation.text() for equation in self.equations)
+        text = " and ".join(equation.text() for equation in self.equations)
+        return text + (f" and {len(self.others)} products of factors that were not split" if self.others else "")
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""
@@ -183,12 +186,20 @@ class Component:
 
 
 def spectrum(model: RobotModel, q: Array, task: Task, at: str) -> Array:
-    """(..., k) singular values of the task's rows, radians in reaches of the arm, relative to the largest."""
-    J = jacobian(model, q, at=at, check_finite=False).array[..., list(task.rows), :]
+    """(..., k) singular values of the task's rows, radians in reaches of the arm, relative to the largest there is.
+
+    The largest of the posture, or of others where the rows hold less: with one row, that may be none.
+    """
     size = characteristic_length(model, at)
     weights = np.array([size if r in ANGULAR_ROWS else 1.0 for r in task.rows])
-    sigma = np.linalg.svd(weights[:, None] * J, compute_uv=False)
-    return sigma / np.maximum(sigma[..., :1], np.finfo(float).tiny)
+
+    def singular_values(postures: Array) -> Array:
+        J = without_rounding(model, jacobian(model, postures, at=at, check_finite=False).array)
+        return np.linalg.svd(weights[:, None] * J[..., list(task.rows), :], compute_uv=False)
+
+    sigma = singular_values(q)
+    general = np.median(singular_values(np.random.default_rng(9).uniform(-np.pi, np.pi, (_GENERAL, model.n)))[:, :1])
+    return sigma / np.maximum(np.maximum(sigma[..., :1], 1e-3 * general), np.finfo(float).tiny)
 
 
 def equation_within(equation: Equation, model: RobotModel) -> bool:
@@ -202,12 +213,14 @@ def equation_within(equation: Equation, model: RobotModel) -> bool:
     return False
 
 
-def components_of(branches: Sequence[Branch], space: Space, task: Task, at: str) -> tuple[list[Component], list[Component]]:
+def components_of(
+    branches: Sequence[Branch], space: Space, task: Task, at: str, deadline: float
+) -> tuple[list[Component], list[Component], bool]:
     """Branches as components: halves of sines joined, those without real points and those inside others left out.
 
     Returns:
         These, and before anything was left out on the word of samples, all that may hold a singular posture: what a proof
-        has to exclude.
+        has to exclude; and whether there was time for all of them.
     """
     joined = _joined(list(branches), space.half)
     found = []
@@ -217,8 +230,13 @@ def components_of(branches: Sequence[Branch], space: Space, task: Task, at: str)
         component = Component(parts, task, at, space, others=rest)
         if all(equation.real is not False for equation in parts):
             found.append(component)
-    real = [c for c in found if len(c.points)]
-    return [_shortened(component) for component in _outermost(real)], found
+    real: list[Component] = []
+    for component in found:
+        if time.monotonic() > deadline:
+            return _outermost(real), found, False
+        if len(component.points):
+            real.append(component)
+    return [_shortened(component) for component in _outermost(real)], found, True
 
 
 def _shortened(component: Component) -> Component:

@@ -44,7 +44,8 @@ class Distance:
         degrees = f" ({format_number(np.degrees(self.value))}°)" if unit == "rad" else ""
         if not np.isfinite(self.value):
             return f"{name}: no posture was found"
-        return f"{name}: {format_number(self.value)} {unit}{degrees}, at least {format_number(self.at_least)}"
+        text = f"{name}: {format_number(self.value)} {unit}{degrees}, at least {format_number(self.at_least)}"
+        return text + (", outside the joint limits" if self.component.within_limits is False else "")
 
 
 def distance_to(component: Component, q: Array, seed: int = 0) -> Distance:

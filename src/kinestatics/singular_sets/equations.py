@@ -16,9 +16,11 @@ from ..symbolic.functions import WaveFunction
 from ..symbolic.halfangle import HalfAngleRing, Waves
 from ..symbolic.printing import shortest
 from ..symbolic.ring import Polynomial
+from .enclosure import proved_free_on_circle
 
 _TRIES, _REAL, _STEPS = 200, 1e-12, 40
 _ROUNDING = 1e-9
+_DOUBLE = 1e-14  # of a discriminant: two roots that floats do not tell apart
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,13 +31,22 @@ class Space:
         half: the ring; model: with numbers.
         values: numbers for the symbols.
         given: whether these are the robot's own; where its lengths are symbols without numbers, they are samples.
+        lengths: exact numbers of symbols that were named.
     """
 
     half: HalfAngleRing
     model: RobotModel
     values: Mapping[Any, float]
     given: bool
+    lengths: Mapping[Any, Any]
     _waves: dict[str, Waves] = field(default_factory=dict, repr=False)
+
+    @cached_property
+    def exact(self) -> dict[Any, Any]:
+        """Exact numbers of the symbols: those of the names, and the decimals that were given."""
+        import sympy
+
+        return {s: self.lengths.get(s, sympy.Rational(repr(float(value)))) for s, value in self.values.items()}
 
     def waves(self, F: Polynomial) -> Waves:
         """The exact waves of a factor, kept."""
@@ -134,18 +145,27 @@ class Equation:
         if self.solutions is not None:
             if not self.space.given and len(self.polynomial.to_dict()) > 1 and not _plain(self.expression):
                 return None
-            return bool(self.solutions)
+            return True if self.solutions else False if self._proved_void() else None
         if not self.space.given:
             return None
         states = [_has_zeros(f, self.space) for f in self.functions]
         return True if True in states else None if None in states else False
+
+    def _proved_void(self) -> bool:
+        """Whether intervals prove that no value of its one joint solves it; floats do not tell a double root from none."""
+        space, j = self.space, self.columns[0]
+        if not space.half.ring.turns[j]:
+            place = 2 * len(space.half.ring.angles) + list(space.half.ring.slides).index(j)
+            return all(part.degrees()[place] == 2 for part in self.parts)  # its discriminant is not close to 0
+        exact = space.exact
+        return all(proved_free_on_circle(space.half, space.waves(F), exact, j, space.model.n) for F in self.parts)
 
     def text(self) -> str:
         """As a person writes it: "sin(q5) = 0", with the joint's values in degrees where it depends on one."""
         if self.solutions is None:
             return f"{self.expression} = 0"
         if not self.solutions:
-            return f"{self.expression} = 0 (no real solution)"
+            return f"{self.expression} = 0 (no solution was found)"
         turns = self.space.half.ring.turns[self.columns[0]]
         shown = ", ".join(f"{format_number(np.degrees(x))}°" if turns else f"{format_number(x)} m" for x in self.solutions)
         return f"{self.expression} = 0  ({self.space.half.ring.joints[self.columns[0]]} = {shown})"
@@ -245,6 +265,8 @@ def _real_roots(coefficients: Array) -> list[float]:
     if len(trimmed) == 3:
         a, b, c = trimmed
         inside = b * b - 4 * a * c
+        if abs(inside) <= _DOUBLE * (b * b + abs(4 * a * c)):
+            return [float(-b / (2 * a))]
         if inside < 0:
             return []
         w = -0.5 * (b + np.copysign(np.sqrt(inside), b))

@@ -29,6 +29,7 @@ from .singular_set import SingularSet
 
 _BUDGET = 20.0
 _RESIDUAL_SAMPLES = 32
+_WITH_SAMPLES = 1.5  # of the budget, at which components are no longer sampled
 _MOST_MINORS = 500
 _MOST_ANGLES = 3  # that are general: with more, polynomials of a robot of numbers grow beyond use
 _SHORT = 40  # terms of a factor whose zeros are looked for while conditions are split
@@ -72,7 +73,7 @@ def singularities(
         ['shoulder', 'elbow', 'wrist']
     """
     require_model(model)
-    began = time.perf_counter()
+    began, started = time.perf_counter(), time.monotonic()
     numeric, chain, values, given = _prepared(model, at, lengths, tolerance)
     found_task = find_task(numeric, task, at=at)
     half = HalfAngleRing(chain.ring)
@@ -86,14 +87,14 @@ def singularities(
         chain = ExactChain.of(exact(model, tolerance), at)
         half, values = HalfAngleRing(chain.ring), {}
         minors = _minors(chain, found_task)
-    space = Space(half, numeric, values, given)
+    space = Space(half, numeric, values, given, {} if model.is_symbolic else chain.lengths)
     lifted = [half.lifted(minor) for minor in minors]
-    if len(lifted) == 1:
+    if _is_square(found_task, chain):
         expression, factors, candidates = _of_determinant(lifted[0], space, found_task, at)
         components, complete = [c for c in candidates if len(c.points)], True
     else:
         expression, factors = None, ()
-        components, candidates, complete = _of_minors(lifted, space, found_task, at, budget)
+        components, candidates, complete = _of_minors(lifted, space, found_task, at, budget, started)
     residual = 0.0 if model.is_symbolic else _residual(model, numeric, at)
     named = {} if model.is_symbolic else chain.lengths
     return SingularSet(
@@ -109,7 +110,7 @@ def singularities(
         residual,
         time.perf_counter() - began,
         space,
-        lifted[0] if len(lifted) == 1 else None,
+        lifted[0] if _is_square(found_task, chain) else None,
     )
 
 
@@ -125,13 +126,18 @@ def _prepared(
         chain = ExactChain.of(nominal, at)
         if len(chain.ring.constants) > _MOST_ANGLES:
             message = f"{len(chain.ring.constants)} angles of the robot are no right angles, nor multiples of 15 degrees"
-            hint = "singularities(arm, tolerance=0.01) finds the nominal form of a calibrated robot, and how far it is"
+            hint = "of a calibrated robot, singularities(arm, tolerance=0.01) finds the nominal form"
             raise ConfigurationError("KS399", message, hint)
         chain = chain if lengths == "numbers" else chain.named()
         return in_numbers(nominal, {}), chain, {s: float(v) for s, v in chain.lengths.items()}, True
     symbols = sorted(free_symbols(model), key=str)
     values, given = _values(symbols, lengths)
     return in_numbers(model, values), ExactChain.of(model, at), values, given
+
+
+def _is_square(task: Task, chain: ExactChain) -> bool:
+    """Whether the rows make a square Jacobian whose determinant is not zero everywhere."""
+    return len(task.rows) == chain.columns == task.rank
 
 
 def _values(symbols: Sequence[Any], lengths: Any) -> tuple[dict[Any, float], bool]:
@@ -208,16 +214,16 @@ def _of_determinant(
 
 
 def _of_minors(
-    lifted: Sequence[Polynomial], space: Space, task: Task, at: str, budget: float
+    lifted: Sequence[Polynomial], space: Space, task: Task, at: str, budget: float, began: float
 ) -> tuple[list[Component], list[Component], bool]:
-    deadline = time.monotonic() + budget
+    deadline = began + budget
 
     def void(factor: Polynomial) -> bool:
         return space.given and len(factor.to_dict()) <= _SHORT and Equation((factor,), space).real is False
 
     branches = Splitter(space.half, deadline, void).split(lifted)
-    kept, candidates = components_of(branches, space, task, at)
-    return kept, candidates, all(not branch.others for branch in branches)
+    kept, candidates, whole = components_of(branches, space, task, at, began + _WITH_SAMPLES * budget)
+    return kept, candidates, whole and all(not branch.others for branch in branches)
 
 
 def _residual(model: RobotModel, nominal: RobotModel, at: str) -> float:

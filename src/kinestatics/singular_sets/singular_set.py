@@ -19,9 +19,10 @@ from ..symbolic.functions import WaveFunction
 from ..tasks import Task
 from .aspects import Aspects, count_aspects
 from .card import Card, card_of
-from .certificate import Certificate, Domain, certify, check_equations
+from .certificate import Certificate, certify, check_equations
 from .components import Component, spectrum
 from .distance import Distance, distance_to
+from .enclosure import Domain
 from .equations import Equation, Space
 from .reach import on_boundary
 from .second_order import second_order
@@ -44,7 +45,8 @@ class SingularSet:
         components: the parts of the singular set that have real points: where all equations of one hold, rank is lost.
         candidates: these and all that samples alone left out: what `certify_free` excludes. With `components` they are the
             same set of postures.
-        complete: whether the components are all there is; False where time ran out while conditions were split.
+        complete: whether the candidates are all there is: an exact covering of the singular postures. False where time ran
+            out. That no component is missing beside them is then borne out by samples.
         lengths: what the symbols of the formulas stand for [m].
         residual: how far the nominal Jacobian is from that of the robot as given, at most, over random configurations;
             lengths in shares of the reach.
@@ -107,6 +109,7 @@ class SingularSet:
             (('elbow',), 'barrier')
         """
         array = self._configuration(q)
+        self._exact_lengths()
         sigma = spectrum(self.model, array, self.task, self.link)
         singular = bool((sigma > tolerance).sum() < self.task.rank)
         on = tuple(dict.fromkeys(component.label for component in self.on(array, 1e-8))) if singular else ()
@@ -114,18 +117,20 @@ class SingularSet:
         reach = None
         if second is not None and boundary and second.kind != "regular":
             reach = on_boundary(self.model, second.q, self.task, self.link, second)
-        return card_of(self.model, self.link, self.task, array, on, self.distance(array), second, reach, tolerance)
+        near = self.distance(array)
+        return card_of(self.model, self.link, self.task, array, on, near, second, reach, tolerance, self.residual)
 
     def distance(self, q: Any) -> tuple[Distance, ...]:
-        """The distance of a posture (n) from every component, the nearest first.
+        """The distance of a posture (n) from every component, the nearest first; limits are not looked at.
 
         Example:
             >>> import kinestatics as ks
-            >>> found = ks.singularities(ks.load("puma_560")).distance([0, 0.4, 0.9, 0.5, 0.3, 0.2])
+            >>> found = ks.singularities(ks.load("puma_560")).distance([0, 0.4, -1.0, 0.5, 0.3, 0.2])
             >>> print(found[0])
             wrist: 0.3 rad (17.1887°), at least 0.3
         """
         array = self._configuration(q)
+        self._exact_lengths()
         return tuple(sorted((distance_to(c, array) for c in self.components), key=lambda d: d.value))
 
     def certify_free(self, box: Any = None, *, path: Any = None, budget: float = 2.0) -> Certificate:
@@ -160,13 +165,15 @@ class SingularSet:
         if box is not None:
             if np.any(corners[0] > corners[1]):
                 raise ConfigurationError("KS303", "the box has a lower corner above the upper one", "lower first")
-            return certify(self.candidates, Domain.of_box(*corners), exact, budget, time.monotonic())
+            proof = certify(self.candidates, Domain.of_box(*corners), exact, budget, time.monotonic())
+            return replace(proof, residual=self.residual)
         pieces = [
             certify(self.candidates, Domain((a + b) / 2.0, (b - a)[None] / 2.0), exact, budget, time.monotonic())
             for a, b in itertools.pairwise(corners)
         ]
         worst = min(pieces, key=lambda c: ("singular", "undecided", "free").index(c.verdict))
-        return replace(worst, pieces=sum(c.pieces for c in pieces), seconds=sum(c.seconds for c in pieces))
+        count, seconds = sum(c.pieces for c in pieces), sum(c.seconds for c in pieces)
+        return replace(worst, residual=self.residual, pieces=count, seconds=seconds)
 
     def trace(self, joints: Sequence[str | int], q: Any = None, step: float = 0.02) -> tuple[Curve, ...]:
         """The singular curves in the plane of two joints, for drawing.
@@ -185,6 +192,7 @@ class SingularSet:
             >>> sorted({curve.component.name for curve in curves})
             ['elbow', 'shoulder']
         """
+        self._exact_lengths()
         columns = [self._column(joint) for joint in joints]
         if len(columns) != 2 or columns[0] == columns[1]:
             raise ConfigurationError("KS303", f"joints are {joints!r}", "two different joints")
@@ -212,6 +220,9 @@ class SingularSet:
         fits = self.model.n == 3 and self.task.rank == 3 and self.polynomial is not None and all(self.space.half.ring.turns)
         if not fits:
             raise ConfigurationError("KS398", "cusps are of three joints that turn and a task of rank 3", "task='position'")
+        self._exact_lengths()
+        if any(0 in c.columns for c in self.components):
+            raise ConfigurationError("KS398", "the first joint changes the determinant of these rows", "task='position'")
         found = (cusps_of(c, self.model, self.task, self.link, checked_positive(step)) for c in self.components)
         return tuple(cusp for cusps in found for cusp in cusps)
 
@@ -248,13 +259,14 @@ class SingularSet:
         return count_aspects(f, self.model.n, starts, seed)
 
     def _exact_lengths(self) -> dict[Any, Any]:
-        """Exact numbers of the symbols."""
+        """Exact numbers of the symbols.
+
+        Raises:
+            ConfigurationError: KS398 where there are none.
+        """
         if not self.space.given:
             raise ConfigurationError("KS398", "the lengths have no numbers", "singularities(model, lengths={...})")
-        import sympy
-
-        own = dict(self.lengths)
-        return {s: own.get(s, sympy.Rational(repr(value))) for s, value in self.space.values.items()}
+        return self.space.exact
 
     def _configuration(self, q: Any) -> Array:
         array = np.array(q, dtype=float)

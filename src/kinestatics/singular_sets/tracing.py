@@ -21,8 +21,9 @@ from ..tasks import Task
 from .components import Component
 
 _GRID, _MOST, _NEWTON = 96, 20000, 6
-_ON, _FLAT = 1e-13, 1e-9
+_ON, _FLAT, _ON_AXIS = 1e-13, 1e-9, 1e-3
 _SAME = 1e-6
+_SLOPE = 1e-6  # of ∇f · k somewhere on a curve, f in shares of its amplitude: less is rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,17 +157,27 @@ def cusps_of(component: Component, model: RobotModel, task: Task, at: str, step:
     q = np.zeros(model.n)
     found: list[Cusp] = []
     for f in component.equations[0].functions:
+        if not {1, 2} <= set(f.joints):  # with q2 or q3 alone the curve is straight, and the kernel may lie in it all along
+            continue
         for curve in trace(component, (1, 2), q, step, (f,)):
-            kernels = np.linalg.svd(_rows(model, curve.points, task, at))[2][:, -1]
-            slopes = (f.gradient(curve.points) * kernels).sum(-1) / f.scale
+            points = np.vstack([curve.points, curve.points[:1] + _turns(curve)]) if curve.closed else curve.points
+            kernels = np.linalg.svd(_rows(model, points, task, at))[2][:, -1]
+            slopes = (f.gradient(points) * kernels).sum(-1) / f.scale
             turned = np.sign((kernels[1:] * kernels[:-1]).sum(-1))
             signs = np.concatenate([[1.0], np.cumprod(turned)])
             slopes = slopes * signs
+            if np.abs(slopes).max() < _SLOPE:
+                continue
             for k in np.flatnonzero(slopes[1:] * slopes[:-1] < 0):
-                cusp = _refined(f, model, task, at, curve.points[k], curve.points[k + 1])
+                cusp = _refined(f, model, task, at, points[k], points[k + 1])
                 if cusp is not None and all(np.abs(np.sin((cusp.q - c.q) / 2)).max() > _SAME for c in found):
                     found.append(cusp)
     return tuple(sorted(found, key=lambda c: (-c.radius, -c.height)))
+
+
+def _turns(curve: Curve) -> Array:
+    """The whole turns between the end of a closed curve and its beginning."""
+    return 2 * np.pi * np.round((curve.points[-1] - curve.points[0]) / (2 * np.pi))
 
 
 def _rows(model: RobotModel, q: Array, task: Task, at: str) -> Array:
@@ -196,12 +207,14 @@ def _refined(f: WaveFunction, model: RobotModel, task: Task, at: str, a: Array, 
             a = middle
         else:
             b = middle
-    if float(np.linalg.norm(kernel[1:])) < 1e-3:
+    if float(np.linalg.norm(kernel[1:])) < _ON_AXIS:
         return None
     p = pose(model, a, at=at, check_finite=False).translation
     axis, origin = first_axis(model, at)
     height = float((p - origin) @ axis)
     radius = float(np.linalg.norm(p - origin - height * axis))
+    if radius < _ON_AXIS * float(np.abs(p - origin).max()):
+        return None
     return Cusp(np.pi - np.mod(np.pi - a, 2 * np.pi), radius, height, abs(slope(a, kernel)[0]))
 
 
