@@ -15,7 +15,7 @@ from ..model import RobotModel
 from ..namespaces import Array
 from ..spatial import ANGULAR_ROWS
 from ..tasks import Task, find_task
-from .axes import GENERAL, TOLERANCE, Axes, Structure, axes_at, common_point, structure_of
+from .axis_geometry import GENERAL, TOLERANCE, Axes, Structure, axes_at, common_point, structure_of
 from .task_map import TaskMap, task_map
 
 _SAMPLES = 6

@@ -142,7 +142,6 @@ class Splitter:
 
     def _remainder(self, p: Polynomial, factor: Polynomial, t: int, u: int) -> Polynomial:
         """p modulo a t² + b t u + c u², up to factors that cannot vanish with it: linear in t and u."""
-        one = self.half.context.constant(1)
         pieces = _by_power(self.half, p, t, u)
         square = _by_power(self.half, factor, t, u)
         a, b, c = (square.get(k, self.half.context.constant(0)) for k in (2, 1, 0))
@@ -156,7 +155,7 @@ class Splitter:
             top[k - 1] -= lead * b
             top[k - 2] -= lead * c
         generators = self.half.context.gens()
-        return (top[1] * generators[t] + top[0] * generators[u]) * one
+        return top[1] * generators[t] + top[0] * generators[u]
 
     def _places(self, joint: int) -> list[int]:
         ring = self.half.ring

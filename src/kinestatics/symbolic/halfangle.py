@@ -32,6 +32,9 @@ class HalfAngleRing:
     ring: TrigonometricRing
     context: Any = field(init=False)
     circles: tuple[Polynomial, ...] = field(init=False)
+    pairs: tuple[tuple[Polynomial, Polynomial], ...] = field(init=False, repr=False)
+    _others: tuple[int, ...] = field(init=False, repr=False)
+    _origins: dict[int, tuple[Polynomial, Polynomial]] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         module, ring = flint(), self.ring
@@ -39,7 +42,6 @@ class HalfAngleRing:
         names = tuple(f"h{i}" for i in range(max(2 * len(ring.angles) + others, 1)))
         object.__setattr__(self, "context", module.fmpq_mpoly_ctx.get(names, module.Ordering.lex))
         generators = tuple(self.context.gens())
-        object.__setattr__(self, "generators", generators)
         pairs = [(generators[2 * a], generators[2 * a + 1]) for a in range(len(ring.angles))]
         object.__setattr__(self, "pairs", tuple(pairs))
         object.__setattr__(self, "circles", tuple(t * t + u * u for t, u in pairs))
@@ -60,9 +62,9 @@ class HalfAngleRing:
         def descend(items: list[tuple[Exponents, Any]], level: int) -> Polynomial:
             if level == len(angles):
                 head = (0,) * (2 * len(angles))
-                collected = {head + tuple(e[i] for i in self._others): c for e, c in items}  # type: ignore[attr-defined]
+                collected = {head + tuple(e[i] for i in self._others): c for e, c in items}
                 return self.context.from_dict(collected or {head: 0}) if head or collected else self.context.constant(0)
-            (t, u), x = self.pairs[level], angles[level]  # type: ignore[attr-defined]
+            (t, u), x = self.pairs[level], angles[level]
             groups: dict[tuple[int, int], list[tuple[Exponents, Any]]] = {}
             for e, c in items:
                 groups.setdefault((e[x.cosine], e[x.sine]), []).append((e, c))
@@ -74,13 +76,13 @@ class HalfAngleRing:
 
         F = descend(terms, 0)
         if len(F) > _LARGE:
-            self._origins[len(F)] = (F, p)  # type: ignore[attr-defined]
+            self._origins[len(F)] = (F, p)
         return F
 
     def degrees(self, F: Polynomial) -> tuple[int, ...]:
         """The degree in each pair (t, u)."""
         if F == 0:
-            return (0,) * len(self.pairs)  # type: ignore[attr-defined]
+            return (0,) * len(self.pairs)
         exponents = F.monomial(0)
         return tuple(int(exponents[2 * a] + exponents[2 * a + 1]) for a in range(len(self.ring.angles)))
 
@@ -133,7 +135,7 @@ class HalfAngleRing:
         """The polynomial in whole angles, in canonical form; None where the degree in a pair is odd."""
         if any(degree % 2 for degree in self.degrees(F)):
             return None
-        known = self._origins.get(len(F))  # type: ignore[attr-defined]
+        known = self._origins.get(len(F))
         if known is not None and known[0] == F:
             return known[1]
         return next((p for _, p in self.in_whole_angles(F)), self.ring.zero)
@@ -163,7 +165,7 @@ class HalfAngleRing:
             term = ring.context.constant(coefficient)
             for a in range(n):
                 term *= basis(a, exponents[2 * a], exponents[2 * a + 1])
-            for place, power in zip(self._others, exponents[2 * n :], strict=False):  # type: ignore[attr-defined]
+            for place, power in zip(self._others, exponents[2 * n :], strict=False):
                 term *= ring.generator(place) ** power
             key = tuple(halves)
             found[key] = found.get(key, ring.zero) + term

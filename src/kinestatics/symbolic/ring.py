@@ -65,6 +65,9 @@ class TrigonometricRing:
     context: Any = field(init=False)
     angles: tuple[Angle, ...] = field(init=False)
     slides: dict[int, int] = field(init=False)
+    _generators: tuple[Polynomial, ...] = field(init=False, repr=False)
+    _first_parameter: int = field(init=False, repr=False)
+    _read: dict[Any, Polynomial] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         angles, slides, place = [], {}, 0
@@ -103,7 +106,7 @@ class TrigonometricRing:
 
     def generator(self, place: int) -> Polynomial:
         """The generator at a place."""
-        return self._generators[place]  # type: ignore[attr-defined]
+        return self._generators[place]
 
     def angle_of(self, joint: int) -> Angle:
         """The angle of a turning joint."""
@@ -111,7 +114,7 @@ class TrigonometricRing:
 
     def parameter_place(self, k: int) -> int:
         """The place of a length's generator."""
-        return int(self._first_parameter) + k  # type: ignore[attr-defined]
+        return self._first_parameter + k
 
     def multiple(self, angle: Angle, times: int) -> tuple[Polynomial, Polynomial]:
         """Cosine and sine of a whole multiple of an angle."""
@@ -159,7 +162,7 @@ class TrigonometricRing:
         Raises:
             ArrayTypeError: KS390, where it is no polynomial of them.
         """
-        known: dict[Any, Polynomial] = self._read  # type: ignore[attr-defined]
+        known = self._read
         if (found := known.get(expression)) is None:
             found = known[expression] = self.reduced(self._translated(expression))
         return found
