@@ -14,6 +14,7 @@ FLOORS = {
     "errors": 0,
     "frames": 1,
     "namespaces": 1,
+    "progress": 1,
     "conventions": 2,
     "spatial": 2,
     "model": 3,
