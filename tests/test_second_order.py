@@ -401,7 +401,7 @@ def test_names_of_redundant_arms():
     for fixed, name in (
         ({1: 0, 2: PI / 2}, "shoulder"),
         ({5: 0, 4: PI / 2}, "wrist"),
-        ({1: 0, 5: 0}, "other"),
+        ({1: 0, 5: 0}, "shoulder and wrist"),
     ):
         q = rng.uniform(-3, 3, (6, 7))
         q[:, list(fixed)] = list(fixed.values())

@@ -554,20 +554,16 @@ MISTAKES = {
     "a box upside down": (lambda: singularities(ks.load("kr5")).certify_free(([1] * 6, [0] * 6)), "KS303"),
     "neither box nor path": (lambda: singularities(ks.load("kr5")).certify_free(), "KS303"),
     "a posture of five": (lambda: singularities(ks.load("kr5")).distance([0] * 5), "KS303"),
-    "a calibrated robot without a tolerance": (
-        lambda: singularities(ks.from_dh(np.random.default_rng(0).normal(size=(6, 4)), convention="standard")),
-        "KS399.*tolerance",
-    ),
+    "no time at all": (lambda: singularities(ks.load("kr5"), budget=0), "KS353.*seconds"),
+    "minors without time": (lambda: singularities(ks.load("iiwa_14"), budget=1e-9), "KS399.*larger budget"),
+    "waves of a redundant arm": (lambda: singularities(ks.load("iiwa_14")).fourier, "KS398"),
+    "angles that are neither": (lambda: ks.exact(ks.load("kr5"), angles="rational"), "KS303.*fractions"),
     "cusps where the first joint counts": (lambda: singularities(ks.load("elbow_rrr"), "vx,vz,wz").cusps(), "KS398"),
     "cusps of six joints": (lambda: singularities(ks.load("kr5")).cusps(), "KS398"),
     "aspects of a redundant arm": (lambda: singularities(ks.load("iiwa_14")).aspects(), "KS398"),
     "a trace of one joint": (lambda: singularities(ks.load("kr5")).trace(["joint_a1"]), "KS3"),
     "a tolerance of one": (lambda: ks.exact(ks.load("kr5"), 1.0), "KS353"),
     "an unknown task": (lambda: singularities(ks.load("kr5"), "wrist"), "KS318"),
-    "a certificate of slides": (
-        lambda: singularities(ks.load("stanford_arm")).certify_free(([0] * 6, [0.1] * 6)),
-        "KS398",
-    ),
 }
 
 

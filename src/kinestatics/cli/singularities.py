@@ -9,6 +9,7 @@ import typer
 from ..frames import TIP
 from .app import app, show, show_json
 from .arguments import AllowXacro, Base, Hold, Json, Robot, Roots, Seed, Tip, read_configuration, read_robot
+from .progress import on_terminal
 
 
 @app.command("singularities", short_help="Where is this arm singular, and what is lost there?")
@@ -23,6 +24,9 @@ def command(
     ] = None,
     boundary: Annotated[bool, typer.Option(help="Search other branches for the workspace boundary, 5 s a card.")] = False,
     tolerance: Annotated[float, typer.Option(help="Angles [rad] this close to right ones are taken for them.")] = 1e-5,
+    budget: Annotated[
+        float, typer.Option(help="Seconds after which redundant arms' conditions are no longer split.")
+    ] = 20.0,
     seed: Seed = 0,
     hold: Hold = None,
     package_root: Roots = None,
@@ -33,7 +37,8 @@ def command(
     from ..singular_sets import singularities
 
     model = read_robot(robot, base, tip, hold, package_root, allow_xacro)
-    found = singularities(model, task, at=link, tolerance=tolerance)
+    with on_terminal() as progress:
+        found = singularities(model, task, at=link, tolerance=tolerance, budget=budget, progress=progress)
     cards = [found.at(read_configuration(model, posture, seed), boundary=boundary) for posture in at or ()]
     if as_json:
         show_json({**found.to_dict(), "cards": [card.to_dict() for card in cards]})

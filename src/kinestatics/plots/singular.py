@@ -1,4 +1,4 @@
-"""`singular_curves` and `singular_image`: where an arm is singular, in the plane of two joints and in its workspace."""
+"""`singular_curves`, `aspect_regions`, `singular_image`: singular postures in a plane of joints and in the workspace."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from .style import FORCE, LABEL_SIZE, TEXT, TICK_SIZE, VELOCITY
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+_POSITIVE, _NEGATIVE, _CELLS = "#dcebf5", "#fbe6d8", 241
 _HEIGHT = 2.6  # of the picture, its key aside [in]
 _COLORS = (VELOCITY, FORCE, "#3f7d3f", "#7a4fa3", "#555555")
 _RIGHT_ANGLES = (-180, -90, 0, 90, 180)
@@ -47,7 +48,7 @@ def singular_curves(
         >>> [text.get_text() for text in ax.get_legend().get_texts()]
         ['shoulder', 'elbow']
     """
-    _require_set(found)
+    require_set(found)
     curves = found.trace(joints, q, step)
     columns = [found.model.joint_names.index(j) if isinstance(j, str) else int(j) for j in joints]
     turns = [found.space.half.ring.turns[c] for c in columns]
@@ -56,8 +57,8 @@ def singular_curves(
     for curve in curves:
         points = curve.points[:, columns]
         points = np.vstack([points, points[:1]]) if curve.closed else points
-        color = _color(shown, curve.component.label)
-        _draw(axes, _in_degrees(points, turns), color, [360.0 * t for t in turns])
+        color = color_of(shown, curve.component.label)
+        draw_line(axes, _in_degrees(points, turns), color, [360.0 * t for t in turns])
     if q is not None:
         here = _in_degrees(np.asarray(q, dtype=float)[None, columns], turns)
         axes.plot(*here.T, "o", color=TEXT, markersize=4, zorder=4)
@@ -69,7 +70,66 @@ def singular_curves(
     for limit, t in zip((axes.set_xlim, axes.set_ylim), turns, strict=True):
         if t:
             limit(-180, 180)
-    _dress(axes, (labels[0], labels[1]), shown, equal=all(turns))
+    dress(axes, (labels[0], labels[1]), shown, equal=all(turns))
+    return axes
+
+
+def aspect_regions(
+    found: SingularSet,
+    joints: Sequence[str | int],
+    q: Any = None,
+    *,
+    limits: bool = False,
+    step: float = 0.02,
+    ax: Any = None,
+) -> Axes:
+    """The regions between singular curves in the plane of two joints, the others held, by the sign of det J.
+
+    Where the determinant depends on these two joints and on factors of others alone, they are the aspects of the arm; where
+    it depends on more, an aspect may show as several regions. Angles are in degrees.
+
+    Args:
+        found: from `kinestatics.singularities`, with a determinant.
+        joints: names or columns of two joints: across and up.
+        q: (n) where the others are held; a dot marks it. Default: where |det J| is great, unmarked.
+        limits: whether to show the two joints between their limits, where they have some; else one turn.
+        step: between points of the curves [rad or m].
+        ax: axes, or a figure to add them to; default a new figure of one column's width.
+
+    Returns:
+        The axes.
+
+    Raises:
+        MissingExtraError: KS400; ConfigurationError: KS303, KS398 where there is no determinant; UnknownNameError: KS313;
+        ArrayTypeError: KS302.
+
+    Example:
+        >>> import kinestatics as ks
+        >>> ax = ks.plots.aspect_regions(ks.singularities(ks.load("puma_560")), ["joint2", "joint3"])
+        >>> [text.get_text() for text in ax.get_legend().get_texts()]
+        ['det J > 0', 'det J < 0', 'shoulder', 'elbow']
+    """
+    require_set(found)
+    held = _regular(found) if q is None else np.asarray(q, dtype=float)
+    curves = found.trace(joints, held, step)
+    columns = [found.model.joint_names.index(j) if isinstance(j, str) else int(j) for j in joints]
+    turns = [found.space.half.ring.turns[c] for c in columns]
+    axes = ax if is_axes(ax) else new_axes(ax, _HEIGHT)
+    sides = [_side(found, c, turn, limits) for c, turn in zip(columns, turns, strict=True)]
+    shown: dict[str, str] = {}
+    _tint(axes, found, held, columns, sides, turns)
+    for curve in curves:
+        points = curve.points[:, columns]
+        points = np.vstack([points, points[:1]]) if curve.closed else points
+        _draw_turns(axes, _in_degrees(points, turns), color_of(shown, curve.component.label), turns, sides)
+    if q is not None:
+        axes.plot(*(held[columns] * np.where(turns, 180 / np.pi, 1.0))[:, None], "o", color=TEXT, markersize=4, zorder=4)
+    labels = [f"{found.model.joint_names[c]} [{'°' if t else 'm'}]" for c, t in zip(columns, turns, strict=True)]
+    for axis, limit, side, turn in zip((axes.xaxis, axes.yaxis), (axes.set_xlim, axes.set_ylim), sides, turns, strict=True):
+        limit(*side)
+        if turn:
+            axis.set_ticks([a for a in range(-720, 721, 90 if np.ptp(side) <= 400 else 180) if side[0] <= a <= side[1]])
+    dress(axes, (labels[0], labels[1]), shown, equal=all(turns))
     return axes
 
 
@@ -96,7 +156,7 @@ def singular_image(found: SingularSet, *, step: float = 0.02, ax: Any = None) ->
         >>> ax.get_xlabel()
         'distance from axis 1 [m]'
     """
-    _require_set(found)
+    require_set(found)
     n = found.model.n
     if n not in (2, 3) or not all(found.space.half.ring.turns):
         hint = "singular_curves draws the curves of any arm in joint space"
@@ -107,19 +167,62 @@ def singular_image(found: SingularSet, *, step: float = 0.02, ax: Any = None) ->
     for curve in found.trace((n - 2, n - 1), np.zeros(n), step):
         points = np.vstack([curve.points, curve.points[:1]]) if curve.closed else curve.points
         places = _places(found, points, around)
-        _draw(axes, places, _color(shown, curve.component.label), [0.0, 0.0])
+        draw_line(axes, places, color_of(shown, curve.component.label), [0.0, 0.0])
     if around:
         for cusp in found.cusps(step):
             axes.plot(cusp.radius, cusp.height, "o", color=TEXT, markersize=3, zorder=4)
     names = ("distance from axis 1 [m]", "along axis 1 [m]") if around else ("x [m]", "y [m]")
-    _dress(axes, names, shown, equal=True)
+    dress(axes, names, shown, equal=True)
     return axes
 
 
-def _require_set(found: Any) -> None:
+def require_set(found: Any) -> None:
     if not isinstance(found, SingularSet):
         message = f"expected a singular set, not {type(found).__name__}"
         raise ArrayTypeError("KS302", message, "found = ks.singularities(arm)")
+
+
+def _regular(found: SingularSet) -> Array:
+    """A posture at which |det J| is great, for what is held."""
+    q = found.space.random(200, seed=5)
+    return np.asarray(q[int(np.abs(found.fourier.value(q)).argmax())])
+
+
+def _side(found: SingularSet, column: int, turns: bool, limits: bool) -> tuple[float, float]:
+    """From where to where a joint is shown [deg or m]."""
+    lower, upper = float(found.model.lower[column]), float(found.model.upper[column])
+    bounded = np.isfinite(lower) and np.isfinite(upper)
+    if turns:
+        return (float(np.degrees(lower)), float(np.degrees(upper))) if bounded and limits else (-180.0, 180.0)
+    return (lower, upper) if bounded else (-1.0, 1.0)
+
+
+def _tint(
+    axes: Any, found: SingularSet, held: Array, columns: list[int], sides: list[tuple[float, float]], turns: list[bool]
+) -> None:
+    """The plane coloured by the sign of the determinant."""
+    across, up = (np.linspace(*side, _CELLS) for side in sides)
+    q = np.broadcast_to(held, (_CELLS, _CELLS, len(held))).copy()
+    for column, values, turn in zip(columns, np.meshgrid(across, up), turns, strict=True):
+        q[..., column] = np.radians(values) if turn else values
+    values = found.fourier.value(q)
+    size = 2 * float(np.abs(values).max()) + 1e-300
+    axes.contourf(across, up, values, levels=[-size, 0.0, size], colors=[_NEGATIVE, _POSITIVE], zorder=0)
+    for color, word in ((_POSITIVE, "det J > 0"), (_NEGATIVE, "det J < 0")):
+        if np.any(values > 0 if color == _POSITIVE else values < 0):
+            axes.plot([], [], "s", color=color, markersize=6, label=word)
+
+
+def _draw_turns(axes: Any, points: Array, color: str, turns: Sequence[bool], sides: Sequence[tuple[float, float]]) -> None:
+    """A line, again at every whole turn that is shown."""
+    around = [360.0 * t for t in turns]
+    shifts = []
+    for turn, (low, high) in zip(turns, sides, strict=True):
+        count = range(int(np.floor((low - 180) / 360)), int(np.ceil((high + 180) / 360)) + 1) if turn else range(1)
+        shifts.append([360.0 * k for k in count if not turn or (360 * k + 180 > low and 360 * k - 180 < high)])
+    for right in shifts[0]:
+        for high in shifts[1]:
+            draw_line(axes, points + np.array([right, high]), color, around)
 
 
 def _places(found: SingularSet, q: Array, around: bool) -> Array:
@@ -140,11 +243,11 @@ def _in_degrees(points: Array, turns: Sequence[bool]) -> Array:
     return np.where(turns, turned, points)
 
 
-def _color(shown: dict[str, str], label: str) -> str:
+def color_of(shown: dict[str, str], label: str) -> str:
     return shown.setdefault(label, _COLORS[len(shown) % len(_COLORS)])
 
 
-def _draw(axes: Any, points: Array, color: str, around: Sequence[float]) -> None:
+def draw_line(axes: Any, points: Array, color: str, around: Sequence[float]) -> None:
     """A line, broken where it goes around the torus."""
     breaks = np.zeros(len(points) - 1, dtype=bool)
     for k, turn in enumerate(around):
@@ -154,7 +257,7 @@ def _draw(axes: Any, points: Array, color: str, around: Sequence[float]) -> None
         axes.plot(*piece.T, color=color, linewidth=1.2, zorder=3)
 
 
-def _dress(axes: Any, names: tuple[str, str], shown: dict[str, str], equal: bool) -> None:
+def dress(axes: Any, names: tuple[str, str], shown: dict[str, str], equal: bool) -> None:
     """Names, a grid, and the key of components."""
     axes.set_xlabel(names[0], fontsize=LABEL_SIZE, color=TEXT)
     axes.set_ylabel(names[1], fontsize=LABEL_SIZE, color=TEXT)

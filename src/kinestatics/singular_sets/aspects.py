@@ -1,40 +1,51 @@
-"""Aspects: the regions of joint space that singular postures separate, counted from the critical points of the determinant.
+"""Aspects: the regions of joint space that singular postures separate, on the torus or within the joint limits.
 
-Every region of det > 0 holds a greatest value, every region of det < 0 a least one. Two of these lie in one region where a
-pass joins them, a critical point from which |det| rises in one direction only: walking up both ways ends at the two
-(Milnor, "Morse Theory", section 3); or where any way leads from one to the other on which det J does not vanish. The
-critical points are found by Newton steps from many postures, so that the count is measured and not proved; that there are
-no fewer than the signs show is certain.
+Factors of the determinant that share no joint separate each on their own: regions of a product are products of regions.
+Of one joint they are the intervals between its zeros. Of several, regions are joined from postures: each is walked up |f|
+to where it is greatest nearby, limits included (stratified Morse theory: Goresky and MacPherson, 1988; Milnor, "Morse
+Theory", section 3); two of these lie in one region where a pass joins them, a critical posture of the box or of one of its
+faces from which |f| rises both ways, or a way of straight pieces from posture to posture. Every step and piece is taken
+only where a bound of derivatives says that f keeps its sign on it: what is joined is one region, up to the rounding of
+floats. That none was missed, and that none was left in two, is measured.
 """
 
 from __future__ import annotations
 
+import itertools
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..errors import ConfigurationError
+from ..model import RobotModel
 from ..namespaces import Array
+from ..progress import Job
 from ..symbolic.functions import WaveFunction
+from .equations import Equation, Space
+from .landscape import Landscape
+from .regions import Map, Regions
 
-_NEWTON, _CLIMB = 80, 400
-_FLAT, _SAME, _PUSH = 1e-10, 1e-4, 1e-3
-_STONES, _NEIGHBOURS, _POINTS = 5, 14, 24
-_ZERO = 1e-6  # critical values this small beside the largest lie on the singular set itself
+_RIM = 1e-4  # [rad or m] at a limit that is left out: a zero that is written at a limit is at it
 
 
 @dataclass(frozen=True, eq=False)
 class Aspects:
-    """The regions of joint space between singular postures, all joints turning freely.
+    """The regions of joint space between singular postures.
 
     Attributes:
         count: how many were found.
-        representatives: (count, n) one posture of each, where |det J| is greatest.
+        representatives: (count, n) one posture of each, where |det J| is great.
         signs: (count) of the determinant.
-        extrema, passes: how many critical points of each kind were found.
-        proved: False: found from `starts` postures; the number of signs is a proved lower bound.
-        starts: postures from which critical points were looked for; seconds: what it took.
+        limits: whether they are the regions within the joint limits; else all joints turn freely.
+        extrema, passes: how many postures were found at which |f| is greatest nearby, and from which it rises both ways;
+            over the factors of several joints.
+        proved: whether the count is proved: where each factor is of one joint. Else it was found from `starts` postures:
+            that postures counted together lie in one region is proved, that none was missed and none is left in two is not.
+        settled: whether a last round of postures changed nothing; False where the time was up before.
+        starts: postures in a round; seconds: what it took.
     """
 
     count: int
@@ -44,7 +55,9 @@ class Aspects:
     passes: int
     starts: int
     seconds: float
+    limits: bool = False
     proved: bool = False
+    settled: bool = True
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""
@@ -52,175 +65,124 @@ class Aspects:
             "count": self.count,
             "representatives": self.representatives.tolist(),
             "signs": self.signs.tolist(),
+            "limits": self.limits,
             "extrema": self.extrema,
             "passes": self.passes,
             "starts": self.starts,
             "proved": self.proved,
+            "settled": self.settled,
         }
 
     def __str__(self) -> str:
-        return (
-            f"{self.count} aspects (measured: {self.extrema} extrema and {self.passes} passes from {self.starts} postures)"
-        )
+        what = f"{self.count} aspect{'' if self.count == 1 else 's'}{' within the joint limits' if self.limits else ''}"
+        if self.proved:
+            return f"{what} (proved: between zeros of single joints)"
+        how = f"measured: {self.extrema} extrema and {self.passes} passes from {self.starts} postures"
+        return f"{what} ({how}{'' if self.settled else '; the time was up'})"
 
 
-def count_aspects(f: WaveFunction, n: int, starts: int, seed: int) -> Aspects:
-    """The aspects of a determinant in angles.
+class Box(NamedTuple):
+    """(n) joints between limits, or infinite: on a circle; home: (n) where those that matter to no factor stay."""
+
+    lower: Array
+    upper: Array
+    home: Array
+
+
+def box_of(model: RobotModel, turns: Sequence[bool], joints: Sequence[int], limits: bool) -> Box:
+    """The box within the limits, joints that turn without them on a circle; or the torus.
 
     Args:
-        f: the determinant; n: joints of the robot.
-        starts: postures from which critical points are looked for.
-        seed: of these postures.
+        turns: which joints turn; joints: those that matter, which must turn or be limited.
+
+    Raises:
+        ConfigurationError: KS398 for one of these that slides without limits.
+    """
+    finite = np.isfinite(model.lower) & np.isfinite(model.upper) & limits
+    for j in joints:
+        if not turns[j] and not finite[j]:
+            hint = "limits=True counts within the limits of joints that slide" if not limits else "give the joint limits"
+            raise ConfigurationError("KS398", f"joint {model.joint_names[j]!r} slides, without an end", hint)
+    lower, upper = np.where(finite, model.lower, -np.inf), np.where(finite, model.upper, np.inf)
+    return Box(lower, upper, np.clip(model.home, lower, upper))
+
+
+def count_aspects(
+    factors: Sequence[tuple[Equation, int]],
+    determinant: WaveFunction,
+    space: Space,
+    box: Box,
+    starts: int,
+    seed: int,
+    job: Job,
+) -> Aspects:
+    """The aspects of a determinant by its factors.
+
+    Args:
+        factors: with multiplicities; determinant: their product.
+        space: what they are written in; box: where.
+        starts: postures in a round; seed: of these postures.
+        job: the time it may take.
     """
     began = time.monotonic()
-    joints = list(f.joints)
-    if not joints:
-        return Aspects(1, np.zeros((1, n)), np.sign(f.value(np.zeros((1, n)))).astype(int), 0, 0, 0, 0.0)
-    own = _Restricted(f, joints, n)
-    rng = np.random.default_rng(seed)
-    points = rng.uniform(-np.pi, np.pi, (starts, len(joints)))
-    critical = _distinct(_critical(own, points))
-    values, curved = own.value(critical), np.linalg.eigvalsh(own.hessian(critical))
-    kept = np.abs(values) > _ZERO * np.abs(values).max()
-    critical, values, curved = critical[kept], values[kept], curved[kept]
-    rising = (curved * np.sign(values)[:, None] > 0).sum(1)
-    climbers = np.concatenate([critical[rising == 0], points])  # a walk up finds what Newton's steps passed by
-    tops, passes = _distinct(_critical(own, _climbed(own, climbers))), critical[rising == 1]
-    tops = tops[_is_top(own, tops)]
-    groups = list(range(len(tops)))
-    for point in passes:
-        ends = _ends_of(own, point, tops)
-        if len(ends) == 2:
-            a, b = (_root(groups, k) for k in ends)
-            groups[max(a, b)] = min(a, b)
-    _join_by_stones(own, tops, groups, starts, seed)
-    roots = sorted({_root(groups, k) for k in range(len(tops))})
-    found = np.zeros((len(roots), n))
-    for place, root in enumerate(roots):
-        members = [k for k in range(len(tops)) if _root(groups, k) == root]
-        found[place, joints] = tops[max(members, key=lambda k: abs(float(own.value(tops[k][None])[0])))]
-    signs = np.sign(f.value(found)).astype(int)
-    return Aspects(len(roots), found, signs, len(tops), len(passes), starts, time.monotonic() - began)
+    n = space.model.n
+    found = [_regions(group, space, box, starts, seed, job) for group in _groups(factors)]
+    postures = []
+    for chosen in itertools.product(*(group.postures for group in found)):
+        q = box.home.copy()
+        for group, x in zip(found, chosen, strict=True):
+            q[list(group.joints)] = x
+        postures.append(q)
+    representatives = np.array(postures).reshape(len(postures), n)
+    signs = np.sign(determinant.value(representatives)).astype(int)
+    extrema, passes = (sum(getattr(group, what) for group in found) for what in ("extrema", "passes"))
+    proved, settled = (all(getattr(group, what) for group in found) for what in ("proved", "settled"))
+    limits = bool(np.any(np.isfinite(box.lower)))
+    seconds = time.monotonic() - began
+    return Aspects(len(signs), representatives, signs, extrema, passes, starts, seconds, limits, proved, settled)
 
 
-class _Restricted:
-    """A function of the joints it depends on."""
-
-    def __init__(self, f: WaveFunction, joints: list[int], n: int) -> None:
-        self.f, self.joints, self.n = f, joints, n
-
-    def _whole(self, x: Array) -> Array:
-        q = np.zeros((*x.shape[:-1], self.n))
-        q[..., self.joints] = x
-        return q
-
-    def value(self, x: Array) -> Array:
-        return self.f.value(self._whole(x))
-
-    def gradient(self, x: Array) -> Array:
-        return self.f.gradient(self._whole(x))[..., self.joints]
-
-    def slope_bound(self) -> Array:
-        size = np.hypot(self.f.cosines, self.f.sines)
-        return (size @ np.abs(self.f.frequencies))[self.joints]
-
-    def hessian(self, x: Array) -> Array:
-        return self.f.hessian(self._whole(x))[..., self.joints, :][..., self.joints]
-
-
-def _is_top(own: _Restricted, x: Array) -> Array:
-    """(k) whether |f| is greatest at a critical point, and not zero."""
-    values, curved = own.value(x), np.linalg.eigvalsh(own.hessian(x))
-    high = np.abs(values) > _ZERO * np.abs(values).max(initial=0.0)
-    return np.asarray(np.all(curved * np.sign(values)[:, None] < 0, axis=-1) & high)
-
-
-def _critical(own: _Restricted, x: Array) -> Array:
-    """Points with ∇f = 0: damped Newton steps, kept where they arrive."""
-    scale = own.f.scale
-    for _ in range(_NEWTON):
-        g, H = own.gradient(x), own.hessian(x)
-        U, sigma, Vt = np.linalg.svd(H)
-        inverse = sigma / (sigma**2 + (1e-9 * scale) ** 2)
-        step = -np.einsum("kji,kj->ki", Vt, inverse * np.einsum("kji,kj->ki", U, g))
-        size = np.linalg.norm(step, axis=-1, keepdims=True)
-        x = x + step * np.minimum(1.0, 0.3 / np.maximum(size, 1e-30))
-    return x[np.linalg.norm(own.gradient(x), axis=-1) <= _FLAT * scale]
-
-
-def _climbed(own: _Restricted, x: Array) -> Array:
-    """Postures moved up |f| to where it is greatest nearby."""
-    step = np.full(len(x), 0.1)
-    sign = np.sign(own.value(x))
-    for _ in range(_CLIMB):
-        g = own.gradient(x) * sign[:, None]
-        size = np.linalg.norm(g, axis=-1)
-        if len(x) == 0 or size.max() <= _FLAT * own.f.scale:
-            break
-        trial = x + step[:, None] * g / np.maximum(size, 1e-30)[:, None]
-        better = own.value(trial) * sign > own.value(x) * sign
-        x = np.where(better[:, None], trial, x)
-        step = np.where(better, np.minimum(1.3 * step, 0.2), 0.4 * step)
-    return x
-
-
-def _ends_of(own: _Restricted, point: Array, tops: Array) -> list[int]:
-    """The extrema reached by walking up both ways from a pass."""
-    sign = float(np.sign(own.value(point[None])[0]))
-    values, vectors = np.linalg.eigh(own.hessian(point[None])[0] * sign)
-    direction = vectors[:, int(values.argmax())]
-    ends = _critical(own, _climbed(own, np.stack([point + _PUSH * direction, point - _PUSH * direction])))
-    found = []
-    for end in ends:
-        apart = _apart(end, tops)
-        if len(apart) and apart.min() < 0.05:
-            found.append(int(apart.argmin()))
-    return found
-
-
-def _join_by_stones(own: _Restricted, tops: Array, groups: list[int], starts: int, seed: int) -> None:
-    """Joins extrema between which a way of straight pieces leads, from stone to stone, on none of which f vanishes.
-
-    That it does not on a piece follows from the values at a few points of it and a bound on the slope along it.
-    """
-    stones = np.random.default_rng(seed + 1).uniform(-np.pi, np.pi, (_STONES * starts, tops.shape[1]))
-    x = np.concatenate([tops, stones])
-    sign, parents = np.sign(own.value(x)), list(range(len(x)))
-    for k in range(len(tops)):
-        parents[k] = groups[k]
-    slope = own.slope_bound()
-    for a in range(len(x)):
-        difference = np.mod(x - x[a] + np.pi, 2 * np.pi) - np.pi
-        near = np.argsort(np.linalg.norm(difference, axis=1))[1 : _NEIGHBOURS + 1]
-        near = near[(sign[near] == sign[a]) & np.array([_root(parents, int(b)) != _root(parents, a) for b in near])]
-        if not len(near):
+def _groups(factors: Sequence[tuple[Equation, int]]) -> list[list[tuple[Equation, int]]]:
+    """Factors that share joints, directly or by others; those proved to have no zeros are left out."""
+    groups: list[list[tuple[Equation, int]]] = []
+    for factor in factors:
+        if factor[0].real is False or not factor[0].columns:
             continue
-        ways = difference[near]
-        shares = (np.arange(_POINTS) + 0.5) / _POINTS
-        least = np.abs(own.value(x[a] + shares[:, None, None] * ways)).min(0)
-        for b in near[least > 0.5 / _POINTS * (np.abs(ways) @ slope)]:
-            one, other = _root(parents, a), _root(parents, int(b))
-            parents[max(one, other)] = min(one, other)
-    for k in range(len(tops)):
-        groups[k] = _root(parents, k)
+        joints = set(factor[0].columns)
+        touched = [group for group in groups if any(joints & set(equation.columns) for equation, _ in group)]
+        groups = [group for group in groups if group not in touched]
+        groups.append([factor, *itertools.chain.from_iterable(touched)])
+    return sorted(groups, key=lambda group: min(equation.columns for equation, _ in group))
 
 
-def _apart(x: Array, others: Array) -> Array:
-    """Distances on the torus."""
-    difference = np.mod(others - x + np.pi, 2 * np.pi) - np.pi
-    return np.linalg.norm(difference, axis=-1)
+def _regions(group: list[tuple[Equation, int]], space: Space, box: Box, starts: int, seed: int, job: Job) -> Regions:
+    joints = tuple(sorted({j for equation, _ in group for j in equation.columns}))
+    columns = list(joints)
+    rim = np.minimum(_RIM, (box.upper[columns] - box.lower[columns]) / 4)
+    lower, upper = box.lower[columns] + rim, box.upper[columns] - rim
+    if len(joints) == 1:
+        zeros = sorted({x for equation, _ in group for x in equation.solutions or ()})
+        postures = _between(zeros, float(lower[0]), float(upper[0]), space.half.ring.turns[joints[0]])
+        proved = all(equation.real is not None for equation, _ in group)
+        return Regions(joints, postures[:, None], 0, 0, proved, True)
+    product = None
+    for equation, times in group:
+        for part in equation.parts:
+            power = part**times
+            product = power if product is None else product * power
+    land = Landscape(WaveFunction.of(space.half, product, space.values), joints, lower, upper)
+    return Map(land, starts, seed, job).regions()
 
 
-def _distinct(x: Array) -> Array:
-    """The points, each once."""
-    kept: list[Array] = []
-    for point in x:
-        if not kept or _apart(point, np.array(kept)).min() > _SAME:
-            kept.append(point)
-    return np.array(kept).reshape(len(kept), x.shape[-1])
-
-
-def _root(groups: list[int], k: int) -> int:
-    while groups[k] != k:
-        k = groups[k]
-    return k
+def _between(zeros: list[float], lower: float, upper: float, turns: bool) -> Array:
+    """Middles of the intervals between the zeros of one joint, on a circle where limits are infinite."""
+    if turns and np.isfinite(lower):
+        first, last = np.floor((lower - np.pi) / (2 * np.pi)), np.ceil((upper + np.pi) / (2 * np.pi))
+        zeros = sorted(x + 2 * np.pi * k for x in zeros for k in np.arange(first, last + 1))
+    if np.isfinite(lower):
+        ends = np.array([lower, *(x for x in zeros if lower < x < upper), upper])
+        return (ends[:-1] + ends[1:]) / 2
+    if not zeros:
+        return np.zeros(1)
+    ends = np.array([*zeros, zeros[0] + 2 * np.pi])
+    return np.pi - np.mod(np.pi - (ends[:-1] + ends[1:]) / 2, 2 * np.pi)

@@ -7,8 +7,7 @@ alone is a relation. Two axes u, u' through p, p' meet where (p' - p) · (u × u
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,61 +17,12 @@ from ..frames import TIP
 from ..kinematics import configuration, require_model
 from ..model import RobotModel
 from ..namespaces import Array
-from ..quantities import plain
 from ..tasks import characteristic_length
-from .axis_geometry import GENERAL, TOLERANCE, Axes, Structure, axes_at, common_point, structure_of
+from .axis_geometry import GENERAL, TOLERANCE, Axes, Structure, axes_at, common_point, plane_of, structure_of
+from .axis_words import AxisRelation, groups, listed
 
-
-@dataclass(frozen=True, eq=False)
-class AxisRelation:
-    """What holds among the axes of joints at one posture and not at every one.
-
-    Attributes:
-        kind: "collinear", "parallel", "coplanar" (parallel axes in one plane), "meet" (axes through one point),
-            "in-plane" (a point in the plane of two axes), "on-axis" (the tip on an axis).
-        joints: names of the joints whose axes they are, from the base on; for "in-plane" the two of the plane.
-        through: for "in-plane", the joints whose axes always meet in the point; empty for the tip.
-        point: (3) where they meet, the point in the plane or on the axis; base axes, base origin [m]; None where there is
-            none.
-        direction: (3) unit vector along the axes, or at right angles to the plane; None for axes that meet.
-        tolerance: angles [rad] and lengths in reaches of the arm below which the relation holds.
-        text: the same in words.
-    """
-
-    kind: str
-    joints: tuple[str, ...]
-    through: tuple[str, ...]
-    point: Array | None
-    direction: Array | None
-    tolerance: float
-    text: str
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data for JSON."""
-        return {
-            "kind": self.kind,
-            "joints": list(self.joints),
-            "through": list(self.through),
-            "point": plain(self.point),
-            "direction": plain(self.direction),
-            "tolerance": self.tolerance,
-            "text": self.text,
-        }
-
-    def __str__(self) -> str:
-        return self.text
-
-
-def _groups(count: Sequence[int], related: Callable[[int, int], bool]) -> list[tuple[int, ...]]:
-    """Joints gathered into classes of two or more by a relation that carries over."""
-    found: list[list[int]] = []
-    for i in count:
-        home = next((group for group in found if related(group[0], i)), None)
-        if home is None:
-            found.append([i])
-        else:
-            home.append(i)
-    return [tuple(group) for group in found if len(group) > 1]
+__all__ = ["AxisRelation", "axis_relations"]
+_BALL = 3  # axes of a ball joint
 
 
 def axis_relations(model: RobotModel, q: Any, at: str = TIP, tolerance: float = TOLERANCE) -> tuple[AxisRelation, ...]:
@@ -84,9 +34,10 @@ def axis_relations(model: RobotModel, q: Any, at: str = TIP, tolerance: float = 
 
     Returns:
         Relations, the closest first: axes that line up, parallel axes in one plane, parallel ones, axes that meet, the tip
-        on an axis, a point of the arm in the plane of two axes that follow each other (through the first and parallel to
-        the second where they do not meet). Points of the arm are those in which axes always meet, and the tip. What holds
-        at random postures too is left out.
+        on axes, a point of the arm in the plane of two axes that follow each other (through the first and parallel to the
+        second where they do not meet), and the next axis behind a ball joint at the base crossed by the line from there to a
+        point of the arm. Points of the arm are those in which axes always meet, and the tip. What holds at random postures
+        too, and what follows from another relation that is told, is left out.
 
     Raises:
         ConfigurationError: KS303, KS301; UnknownNameError: KS310.
@@ -131,9 +82,9 @@ class _Finder(NamedTuple):
     def lined_up(self) -> list[AxisRelation]:
         """Axes on one line."""
         found = []
-        for group in _groups(self.axes.turning, lambda i, j: self._collinear(self.axes, i, j, self.tolerance)):
+        for group in groups(self.axes.turning, lambda i, j: self._collinear(self.axes, i, j, self.tolerance)):
             if not self._always_lined_up(group):
-                words = f"the axes of {_list(self.names, group)} line up"
+                words = f"the axes of {listed(self.names, group)} line up"
                 found.append(self._made("collinear", group, words, self.axes.p[group[0]], self.axes.u[group[0]]))
         return found
 
@@ -143,16 +94,30 @@ class _Finder(NamedTuple):
     def parallel(self) -> list[AxisRelation]:
         """Parallel axes and slides, and parallel axes in one plane."""
         found, everyone = [], range(len(self.names))
-        for group in _groups(everyone, lambda i, j: self.axes.parallel(i, j) <= self.tolerance):
+        for group in groups(everyone, lambda i, j: self.axes.parallel(i, j) <= self.tolerance):
             flat = self._coplanar(group)
             if flat is not None:
                 found.append(flat)
-            new = [(i, j) for i, j in itertools.combinations(group, 2) if not self.structure.parallel(i, j)]
-            if all(self._both_turn(i, j) and self._collinear(self.axes, i, j, self.tolerance) for i, j in new):
+            if self._parallel_as_ever(group) or (flat is not None and len(flat.joints) == len(group)):
                 continue
-            words = f"the axes of {_list(self.names, group)} are parallel"
+            words = f"the axes of {listed(self.names, group)} are parallel"
             found.append(self._made("parallel", group, words, None, self.axes.u[group[0]]))
         return sorted(found, key=lambda relation: relation.kind != "coplanar")
+
+    def _parallel_as_ever(self, group: Sequence[int]) -> bool:
+        """Whether axes are parallel at every posture, or are so once those that line up here are counted once."""
+        reached, rest = [group[0]], list(group[1:])
+        while rest:
+            new = next((j for j in rest if any(self._tied(i, j) for i in reached)), None)
+            if new is None:
+                return False
+            rest.remove(new)
+            reached.append(new)
+        return True
+
+    def _tied(self, i: int, j: int) -> bool:
+        """Whether two axes are always parallel, or line up here."""
+        return self.structure.parallel(i, j) or (self._both_turn(i, j) and self._collinear(self.axes, i, j, self.tolerance))
 
     def _both_turn(self, i: int, j: int) -> bool:
         return {i, j} <= set(self.axes.turning)
@@ -162,28 +127,12 @@ class _Finder(NamedTuple):
         turning = [i for i in group if i in self.axes.turning]
         if len(turning) < 3:
             return None
-        if (normal := self._flat(self.axes, turning, self.tolerance)) is None:
+        if (normal := plane_of(self.axes, turning, self.tolerance)) is None:
             return None
-        if self.structure.always(lambda axes: self._flat(axes, turning, GENERAL) is not None):
+        if self.structure.always(lambda axes: plane_of(axes, turning, GENERAL) is not None):
             return None
-        words = f"the axes of {_list(self.names, turning)} are parallel and in one plane"
+        words = f"the axes of {listed(self.names, turning)} are parallel and in one plane"
         return self._made("coplanar", turning, words, self.axes.p[turning[0]], normal)
-
-    @staticmethod
-    def _flat(axes: Axes, joints: Sequence[int], tolerance: float) -> Array | None:
-        """The normal of the plane of parallel axes on at least three different lines."""
-        first = joints[0]
-        if any(axes.parallel(first, j) > tolerance for j in joints):
-            return None
-        distinct = [first]
-        for j in joints[1:]:
-            if all(axes.off(axes.p[j], i) > tolerance for i in distinct):
-                distinct.append(j)
-        if len(distinct) < 3:
-            return None
-        across = np.cross(axes.u[first], axes.p[distinct[1:]] - axes.p[first]) / axes.size
-        _, sigma, Vt = np.linalg.svd(across)
-        return np.asarray(Vt[0]) if sigma[1] <= tolerance * max(1.0, sigma[0]) else None
 
     def meeting(self) -> list[AxisRelation]:
         """Axes that meet in one point, and the tip on an axis."""
@@ -199,15 +148,23 @@ class _Finder(NamedTuple):
             seen.add(group)
             if self._meet_as_ever(group):
                 continue
-            words = f"the axes of {_list(self.names, group)} meet in one point"
+            words = f"the axes of {listed(self.names, group)} meet in one point"
             found.append(self._made("meet", group, words, point, None))
-        for k in self.axes.turning:
-            if self.axes.off(self.axes.tip, k) <= self.tolerance and not any(
-                self._carries_tip(j) for j in self.axes.turning if self._collinear(self.axes, k, j, self.tolerance)
-            ):
-                words = f"the tip is on the axis of {self.names[k]}"
-                found.append(self._made("on-axis", (k,), words, self.axes.tip, self.axes.u[k]))
+        carrying = [k for k in self.axes.turning if self._tip_comes_to(k, found)]
+        if carrying:
+            words = f"the tip is on the {'axis' if len(carrying) == 1 else 'axes'} of {listed(self.names, carrying)}"
+            direction = self.axes.u[carrying[0]] if len(carrying) == 1 else None
+            found.append(self._made("on-axis", carrying, words, self.axes.tip, direction))
         return sorted(found, key=lambda relation: (relation.kind != "meet", -len(relation.joints)))
+
+    def _tip_comes_to(self, k: int, met: Sequence[AxisRelation]) -> bool:
+        """Whether the tip is on an axis, which no relation found before says."""
+        if self.axes.off(self.axes.tip, k) > self.tolerance:
+            return False
+        if any(self._carries_tip(j) for j in self.axes.turning if self._collinear(self.axes, k, j, self.tolerance)):
+            return False
+        here = [m for m in met if m.point is not None and self.names[k] in m.joints]
+        return not any(np.linalg.norm(m.point - self.axes.tip) <= self.tolerance * self.axes.size for m in here)
 
     def _carries_tip(self, k: int) -> bool:
         """Whether the tip is always on an axis."""
@@ -217,7 +174,7 @@ class _Finder(NamedTuple):
         """Whether axes meet at every posture, or do so once those that line up here are counted once."""
         if self.structure.point(group):
             return True
-        lines = [g for g in _groups(group, lambda i, j: self._collinear(self.axes, i, j, self.tolerance)) if len(g) > 1]
+        lines = [g for g in groups(group, lambda i, j: self._collinear(self.axes, i, j, self.tolerance)) if len(g) > 1]
         doubled = {k for g in lines for k in g}
         alone = [k for k in group if k not in doubled]
         choices = itertools.product(*[(*g,) for g in lines]) if lines else iter([()])
@@ -225,13 +182,15 @@ class _Finder(NamedTuple):
 
     def points(self) -> list[AxisRelation]:
         """Points of the arm in the plane of two axes that follow each other."""
-        found = []
+        found: list[AxisRelation] = []
         turning = self.axes.turning
         for i, j in itertools.pairwise(turning):
             for joints in self._arm_points(j):
                 if self._in_plane(self.axes, i, j, joints, self.tolerance) and not self._known(i, j, joints):
-                    found.append(self._point_in_plane(i, j, joints))
-        return found
+                    relation = self._point_in_plane(i, j, joints)
+                    if not any(self._same_plane(relation, other) for other in found):
+                        found.append(relation)
+        return [*found, *self.straight()]
 
     def _known(self, i: int, j: int, joints: Sequence[int]) -> bool:
         """Whether a point is in a plane at every posture, or because of a relation that is reported itself."""
@@ -241,11 +200,63 @@ class _Finder(NamedTuple):
         through = [k for k in self.axes.turning if place is not None and self.axes.off(place, k) <= self.tolerance]
         if i in through or j in through:
             return True
+        if any(self._meets_twice(k, i, j) for k in through):  # an axis through the point lies in the plane
+            return True
         for k in through:  # an axis through the point that is parallel to one of the two: then it lies in their plane
             beside = [o for o in (i, j) if self.axes.parallel(k, o) <= self.tolerance]
             if len(beside) == 2 or any(not self.structure.parallel(k, o) for o in beside):
                 return True
         return False
+
+    def _same_plane(self, one: AxisRelation, other: AxisRelation) -> bool:
+        """Whether two relations put the same point in the same plane."""
+        if one.through != other.through or one.direction is None or other.direction is None:
+            return False
+        return float(np.linalg.norm(np.cross(one.direction, other.direction))) <= self.tolerance
+
+    def _meets_twice(self, k: int, i: int, j: int) -> bool:
+        """Whether an axis meets two others in different points."""
+        one, other = (self.axes.meeting(k, o, self.tolerance) for o in (i, j))
+        return one is not None and other is not None and bool(np.linalg.norm(one - other) > self.tolerance * self.axes.size)
+
+    def straight(self) -> list[AxisRelation]:
+        """The point of a ball joint, the axis behind it, and a point behind that on one line."""
+        turning = self.axes.turning
+        ball, rest = turning[:_BALL], turning[_BALL + 1 :]
+        if len(turning) < 6 or not self.structure.point(ball):
+            return []
+        found = []
+        for joints in self._arm_points(turning[_BALL]):
+            if not joints or not set(joints) <= set(rest):
+                continue
+            line = self._crossing(self.axes, ball, turning[_BALL], joints, self.tolerance)
+            if line is None or self._one_axis(ball, joints):
+                continue
+            if all(self._crossing(a, ball, turning[_BALL], joints, GENERAL) for a in self.structure.samples):
+                continue
+            ends = f"the axes of {listed(self.names, ball)} and those of {listed(self.names, joints)} meet"
+            words = f"the line through the points where {ends} crosses the axis of {self.names[turning[_BALL]]}"
+            found.append(self._made("straight", (turning[_BALL],), words, line[0], line[1], (*ball, *joints)))
+        return found
+
+    def _one_axis(self, ball: Sequence[int], joints: Sequence[int]) -> bool:
+        """Whether the line through two points is that of axes that line up, or turns about one axis alone."""
+        return any(self._collinear(self.axes, i, j, self.tolerance) for i in ball for j in joints)
+
+    def _crossing(
+        self, axes: Axes, ball: Sequence[int], k: int, joints: Sequence[int], tolerance: float
+    ) -> tuple[Array, Array] | None:
+        """Where the line through two points crosses an axis that neither is on, and the line's direction."""
+        start, end = self._place(axes, ball, tolerance), self._place(axes, joints, tolerance)
+        if start is None or end is None or min(axes.off(start, k), axes.off(end, k)) <= tolerance:
+            return None
+        reach = end - start
+        size = float(np.linalg.norm(reach))
+        if size <= tolerance * axes.size:
+            return None
+        line = Axes(np.stack([reach / size, axes.u[k]]), np.stack([start, axes.p[k]]), axes.tip, axes.size)
+        point = line.meeting(0, 1, tolerance)
+        return None if point is None else (point, line.u[0])
 
     def _arm_points(self, after: int) -> list[tuple[int, ...]]:
         """Where axes behind a joint always meet, each point once; () for the tip."""
@@ -281,15 +292,10 @@ class _Finder(NamedTuple):
     def _point_in_plane(self, i: int, j: int, joints: Sequence[int]) -> AxisRelation:
         plane = self.axes.plane(i, j, self.tolerance)
         place = self._place(self.axes, joints, self.tolerance)
-        what = f"the point where the axes of {_list(self.names, joints)} meet" if joints else "the tip"
+        what = f"the point where the axes of {listed(self.names, joints)} meet" if joints else "the tip"
         flat = self.axes.parallel(i, j) <= self.tolerance or self.axes.meeting(i, j, self.tolerance) is not None
         where = f"the plane of the axes of {self.names[i]} and {self.names[j]}"
         if not flat:
             where = f"the plane through the axis of {self.names[i]} that is parallel to the axis of {self.names[j]}"
         normal = plane[1] if plane is not None else None
         return self._made("in-plane", (i, j), f"{what} is in {where}", place, normal, joints)
-
-
-def _list(names: Sequence[str], joints: Sequence[int]) -> str:
-    words = [names[i] for i in joints]
-    return f"{', '.join(words[:-1])} and {words[-1]}" if len(words) > 1 else "".join(words)

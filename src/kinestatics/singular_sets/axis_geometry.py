@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
@@ -34,11 +35,11 @@ class Axes(NamedTuple):
 
     def parallel(self, i: int, j: int) -> float:
         """Sine of the angle between two axes."""
-        return float(np.linalg.norm(np.cross(self.u[i], self.u[j])))
+        return _size_of_cross(self.u[i], self.u[j])
 
     def off(self, point: Array, i: int) -> float:
         """Distance of a point from an axis, in reaches."""
-        return float(np.linalg.norm(np.cross(self.u[i], point - self.p[i]))) / self.size
+        return _size_of_cross(self.u[i], point - self.p[i]) / self.size
 
     def meeting(self, i: int, j: int, tolerance: float) -> Array | None:
         """The point in which two axes that are not parallel meet."""
@@ -63,20 +64,31 @@ class Axes(NamedTuple):
         return self.p[i], normal / np.linalg.norm(normal)
 
 
+def _size_of_cross(a: Array, b: Array) -> float:
+    """The length of the cross product of two vectors, without the overhead of arrays."""
+    (x, y, z), (u, v, w) = a.tolist(), b.tolist()
+    return math.hypot(y * w - z * v, z * u - x * w, x * v - y * u)
+
+
 def axes_at(model: RobotModel, q: Array, at: str, size: float) -> Axes:
     """The axes at one posture, in base axes at the base origin."""
+    return axes_along(model, np.asarray(q)[None], at, size)[0]
+
+
+def axes_along(model: RobotModel, postures: Array, at: str, size: float) -> list[Axes]:
+    """The axes at postures (k, n), each in base axes at the base origin."""
     link = model.link(at)
-    array, xp = as_array(q)
+    array, xp = as_array(postures)
     poses = definition.joint_poses(model, array, xp)
     path = list(model.path(model.link_joints[link]))
-    _, tip = definition.link_pose(model, poses, link, array, xp)
+    _, tips = definition.link_pose(model, poses, link, array, xp)
     if not path:
-        return Axes(np.zeros((0, 3)), np.zeros((0, 3)), tip, size)
-    twists = definition.spatial_twists(model, poses, xp)[path]
-    v, w = twists[:, LINEAR], twists[:, ANGULAR]
-    turns = np.linalg.norm(w, axis=-1) > 0.5  # unit screws
-    points = np.where(turns[:, None], np.cross(w, v), np.nan)
-    return Axes(np.where(turns[:, None], w, v), points, tip, size)
+        return [Axes(np.zeros((0, 3)), np.zeros((0, 3)), tip, size) for tip in tips]
+    twists = definition.spatial_twists(model, poses, xp)[..., path, :]
+    v, w = twists[..., LINEAR], twists[..., ANGULAR]
+    turns = np.linalg.norm(w, axis=-1, keepdims=True) > 0.5  # unit screws
+    points, directions = np.where(turns, np.cross(w, v), np.nan), np.where(turns, w, v)
+    return [Axes(*of_one, size) for of_one in zip(directions, points, tips, strict=True)]
 
 
 class Structure(NamedTuple):
@@ -97,12 +109,15 @@ class Structure(NamedTuple):
         return self.always(lambda axes: common_point(axes, joints, GENERAL) is not None)
 
 
+def random_postures(model: RobotModel, size: float) -> Array:
+    """(k, n) the postures at which what holds is structure; sliding joints within the reach given."""
+    rng = np.random.default_rng(20260207)
+    return np.asarray(rng.uniform(-np.pi, np.pi, (_SAMPLES, model.n)) * np.where(prismatic_columns(model), size, 1.0))
+
+
 def structure_of(model: RobotModel, at: str, size: float) -> Structure:
     """The structure of a link's chain, from its axes at a few random postures."""
-    rng = np.random.default_rng(20260207)
-    travel = np.where(prismatic_columns(model), size, 1.0)
-    postures = rng.uniform(-np.pi, np.pi, (_SAMPLES, model.n)) * travel
-    return Structure(tuple(axes_at(model, q, at, size) for q in postures))
+    return Structure(tuple(axes_along(model, random_postures(model, size), at, size)))
 
 
 def common_point(axes: Axes, joints: Sequence[int], tolerance: float) -> Array | None:
@@ -113,3 +128,19 @@ def common_point(axes: Axes, joints: Sequence[int], tolerance: float) -> Array |
         if (point := axes.meeting(i, j, tolerance)) is not None:
             return point if all(axes.off(point, k) <= tolerance for k in joints) else None
     return None
+
+
+def plane_of(axes: Axes, joints: Sequence[int], tolerance: float) -> Array | None:
+    """The normal of the plane of parallel axes on at least three different lines."""
+    first = joints[0]
+    if any(axes.parallel(first, j) > tolerance for j in joints):
+        return None
+    distinct = [first]
+    for j in joints[1:]:
+        if all(axes.off(axes.p[j], i) > tolerance for i in distinct):
+            distinct.append(j)
+    if len(distinct) < 3:
+        return None
+    across = np.cross(axes.u[first], axes.p[distinct[1:]] - axes.p[first]) / axes.size
+    _, sigma, Vt = np.linalg.svd(across)
+    return np.asarray(Vt[0]) if sigma[1] <= tolerance * max(1.0, sigma[0]) else None

@@ -1,28 +1,33 @@
-"""Proofs that a box of postures, or a path, is free of singularities: interval arithmetic with outward rounding (Arb).
+"""Proofs that a box of postures, or a path, is free of singularities.
 
-A component is absent where one of its equations has no zero. On a piece with centre c and half widths h an equation lies
-in f(c) + Σ ∂f/∂q_i(piece) · [-h_i, h_i] (mean value form); a piece where that holds 0 is halved. Amplitudes are exact
-numbers of the nominal robot, so that "free" is a theorem about it.
+A component is absent where one of its equations has no zero. On a piece, values and slopes at its centre and a bound of the
+second derivatives bound every factor (`factor_bounds`: floats, their rounding accounted for); a piece where a component
+remains is halved. Where rounding decides, intervals of many digits do (`enclosure`: Arb). Amplitudes are exact numbers of
+the nominal robot, so that "free" is a theorem about it.
 """
 
 from __future__ import annotations
 
-import heapq
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from ..errors import ConfigurationError
 from ..namespaces import Array
+from ..progress import Job, Progress
 from .components import Component
-from .enclosure import Domain, Enclosure
-from .equations import Equation
+from .enclosure import Domain
+from .exclusion import Exclusion, Intervals, longest, still_open
+from .witness import witness
 
 FREE, SINGULAR, UNDECIDED = "free", "singular", "undecided"
-_PIECES, _SMALLEST = 4000, 1e-7
-_ON = 1e-12
+_WORST = (SINGULAR, UNDECIDED, FREE)
+_PIECES, _AT_ONCE, _SMALLEST = 200_000, 256, 1e-7
+_NUMBERS = 1_000_000  # in an array, at most
+_LOOKS = (1, 16, 128, 1024)  # pieces after which a witness is looked for
+_FROM = 3  # pieces from which
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,88 +77,107 @@ class Certificate:
         return f"undecided{name} after {self.pieces} pieces: smaller boxes or a larger budget may decide"
 
 
-def certify(
-    components: tuple[Component, ...], domain: Domain, exact: dict[Any, Any], budget: float, began: float
-) -> Certificate:
+def certify(exclusion: Exclusion, domain: Domain, job: Job) -> Certificate:
     """Whether a domain is free of all components."""
-    pieces = 0
-    open_component = None
-    for component in components:
-        verdict, witness, count = _excluded(component, domain, exact, began + budget)
-        pieces += count
-        if verdict == SINGULAR:
-            return Certificate(SINGULAR, witness, component, pieces, time.monotonic() - began)
-        if verdict == UNDECIDED and open_component is None:
-            open_component = component
-    verdict = FREE if open_component is None else UNDECIDED
-    return Certificate(verdict, None, open_component, pieces, time.monotonic() - began)
+    began = time.monotonic()
+    search = _Search(exclusion, domain, job)
+    verdict, posture, component = search.run()
+    found = None if component is None else exclusion.components[component]
+    return Certificate(verdict, posture, found, search.count, time.monotonic() - began)
 
 
-def _excluded(component: Component, domain: Domain, exact: dict[Any, Any], deadline: float) -> tuple[str, Array | None, int]:
-    """ "free" where a piece-wise proof succeeds, "singular" with a posture inside, else "undecided"; and the pieces used."""
-    groups = [[equation] for equation in component.equations] + [list(group) for group in component.others]
-    space = component.space
-    forms = [[Enclosure(space.half, space.waves(F), exact, domain) for e in group for F in e.parts] for group in groups]
-    k = len(domain.directions)
-    queue: list[tuple[float, int, Array, Array]] = [(0.0, 0, -np.ones(k), np.ones(k))]
-    count = serial = 0
-    while queue:
-        _, _, low, high = heapq.heappop(queue)
-        count += 1
-        if any(all(form.sign(low, high) for form in group) for group in forms):
-            continue
-        if count <= 1 or count in (16, 128, 1024):
-            witness = _witness(component, domain, low, high)
-            if witness is not None:
-                return SINGULAR, witness, count
-        if k == 0 or count >= _PIECES or time.monotonic() > deadline or (high - low).max() < _SMALLEST:
-            return UNDECIDED, None, count
-        i = _longest(domain, component, low, high)
-        middle = (low[i] + high[i]) / 2.0
-        for a, b in ((low[i], middle), (middle, high[i])):
-            serial += 1
-            lower, upper = low.copy(), high.copy()
-            lower[i], upper[i] = a, b
-            heapq.heappush(queue, (-float((upper - lower).max()), serial, lower, upper))
-    return FREE, None, count
+def certify_path(exclusion: Exclusion, postures: Array, budget: float, progress: Progress | None) -> Certificate:
+    """Whether the straight lines between postures (m, n) are free: the worst of their certificates, up to a singular one."""
+    worst, count, seconds = None, 0, 0.0
+    last = len(postures) - 1
+    for k in range(last):
+        share = k / last
+        job = Job.of(budget, None if progress is None else partial(_of_path, progress, f"line {k + 1} of {last}", share))
+        job.tell("begins")
+        found = certify(exclusion, Domain.of_segment(postures[k], postures[k + 1]), job)
+        count, seconds = count + found.pieces, seconds + found.seconds
+        if worst is None or _WORST.index(found.verdict) < _WORST.index(worst.verdict):
+            worst = found
+        if found.verdict == SINGULAR:
+            break
+    if worst is None:
+        raise ValueError("a path has two postures or more")
+    return replace(worst, pieces=count, seconds=seconds)
 
 
-def _longest(domain: Domain, component: Component, low: Array, high: Array) -> int:
-    """The parameter along which the component's joints travel farthest."""
-    travel = np.abs(domain.directions[:, list(component.columns)]).max(axis=1, initial=0.0)
-    return int(((high - low) * travel).argmax()) if travel.max() > 0 else int((high - low).argmax())
+def _of_path(progress: Progress, name: str, share: float, what: str, _: float | None) -> None:
+    """Tells what is done on one line of a path, and the share of the path that is done."""
+    progress(f"{name}: {what}", share)
 
 
-def _witness(component: Component, domain: Domain, low: Array, high: Array) -> Array | None:
-    """A posture of the component inside a piece, found by Gauss-Newton steps in the parameters from a few points of it."""
-    k = len(domain.directions)
-    starts = np.stack(
-        [(low + high) / 2.0, *(np.clip((low + high) / 2.0 + 0.45 * (high - low) * w, low, high) for w in _corners(k))]
-    )
-    s = starts
-    for _ in range(20):
-        values, slopes = component.residuals(domain.at(s))
-        if k:
-            step = np.einsum("kij,kj->ki", np.linalg.pinv(slopes @ domain.directions.T, rcond=1e-9), values)
-            s = np.clip(s - step, -1.0, 1.0)
-    values, _ = component.residuals(domain.at(s))
-    good = np.abs(values).max(-1) <= _ON
-    return domain.at(s[good][0]) if good.any() else None
+class _Search:
+    """Halving of pieces, the largest first, until every component is excluded from every piece."""
+
+    def __init__(self, exclusion: Exclusion, domain: Domain, job: Job) -> None:
+        self.exclusion, self.domain, self.job = exclusion, domain, job
+        self.intervals = Intervals(exclusion, domain, job)
+        self.count = 0
+        self._looks = list(_LOOKS)
+
+    def run(self) -> tuple[str, Array | None, int | None]:
+        """The verdict, a witness, and the component it is of or that is left."""
+        k = len(self.domain.directions)
+        low, high = -np.ones((1, k)), np.ones((1, k))
+        components = tuple(range(len(self.exclusion.components)))
+        left = np.ones((1, len(components)), dtype=bool)
+        while components:
+            low, high, left, cut = self._looked(components, low, high, left)
+            kept = left.any(0)
+            components, left = tuple(c for c, stays in zip(components, kept, strict=True) if stays), left[:, kept]
+            if not components:
+                break
+            found = self._witnessed(components, low, high, left)
+            if found is not None:
+                return SINGULAR, *found
+            if self.job.late or not k or self.count + 2 * len(low) > _PIECES or (high - low).max(-1).min() < _SMALLEST:
+                return UNDECIDED, None, components[0]
+            self.job.tell(f"{self.count} pieces looked at, {len(low)} to be halved")
+            low, high = _halves(low, high, cut)
+            left = np.concatenate([left, left])
+        return FREE, None, None
+
+    def _looked(self, components: tuple[int, ...], low: Array, high: Array, before: Array) -> tuple[Array, ...]:
+        """Pieces from which some component is not excluded, which these are, and where to halve."""
+        part = self.exclusion.part(components)
+        kept, lefts, cuts = [], [], []
+        together = max(1, min(_AT_ONCE, _NUMBERS // (part.table.waves * max(1, low.shape[1]))))
+        for first in range(0, len(low), together):
+            here = slice(first, first + together)
+            bounds = part.table.bounds(self.domain, low[here], high[here])
+            left = still_open(part, bounds, self.intervals, low[here], high[here], before[here])
+            self.count += len(left)
+            rows = np.flatnonzero(left.any(-1))
+            kept.append(first + rows)
+            lefts.append(left[rows])
+            if len(rows) and bounds.half.shape[1]:
+                cuts.append(longest(part, bounds, left)[rows])
+        places = np.concatenate(kept)
+        return low[places], high[places], np.concatenate(lefts), np.concatenate(cuts or [np.zeros(0, dtype=int)])
+
+    def _witnessed(self, components: tuple[int, ...], low: Array, high: Array, left: Array) -> tuple[Array, int] | None:
+        """A singular posture and its component, where it is time to look for one."""
+        if not self._looks or self.count < self._looks[0]:
+            return None
+        while self._looks and self.count >= self._looks[0]:
+            self._looks.pop(0)
+        for k, component in enumerate(components):
+            part = self.exclusion.part((component,))
+            for p in np.flatnonzero(left[:, k])[:_FROM]:
+                posture = witness(part, self.domain, low[p], high[p])
+                if posture is not None:
+                    return posture, component
+        return None
 
 
-def _corners(k: int) -> Array:
-    """A few fixed directions in k dimensions."""
-    return np.random.default_rng(11).choice([-1.0, 1.0], size=(6, k))
-
-
-def check_equations(components: tuple[Component, ...]) -> None:
-    """Raises ConfigurationError (KS398) where a joint slides: enclosures are of angles only."""
-    for component in components:
-        for equation in (*component.equations, *(e for group in component.others for e in group)):
-            if any(f.slides for f in _functions(equation)):
-                hint = "distance and the equations themselves hold for sliding joints too"
-                raise ConfigurationError("KS398", f"{equation.expression} = 0 has a joint that slides", hint)
-
-
-def _functions(equation: Equation) -> Any:
-    return equation.functions
+def _halves(low: Array, high: Array, cut: Array) -> tuple[Array, Array]:
+    """Both halves of every piece."""
+    here = np.arange(len(low))
+    middle = (low[here, cut] + high[here, cut]) / 2.0
+    left, right = high.copy(), low.copy()
+    left[here, cut], right[here, cut] = middle, middle
+    return np.concatenate([low, right]), np.concatenate([left, high])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -14,6 +13,7 @@ import numpy as np
 from ..kinematics import jacobian
 from ..model import RobotModel
 from ..namespaces import Array
+from ..progress import Job
 from ..quantities import plain
 from ..spatial import ANGULAR_ROWS
 from ..symbolic.branches import Branch
@@ -53,7 +53,7 @@ class Component:
 
     @cached_property
     def name(self) -> str:
-        """ "wrist", "elbow", "shoulder" by the geometry of its postures, "other" where none of these fits."""
+        """ "wrist", "elbow", "shoulder" by the geometry of its postures, two joined by "and", or "other" where none fits."""
         return name_of(self.space.model, self.points[:_NAMED], self.joints, self.at, self.task)
 
     @property
@@ -214,7 +214,7 @@ def equation_within(equation: Equation, model: RobotModel) -> bool:
 
 
 def components_of(
-    branches: Sequence[Branch], space: Space, task: Task, at: str, deadline: float
+    branches: Sequence[Branch], space: Space, task: Task, at: str, job: Job
 ) -> tuple[list[Component], list[Component], bool]:
     """Branches as components: halves of sines joined, those without real points and those inside others left out.
 
@@ -231,8 +231,9 @@ def components_of(
         if all(equation.real is not False for equation in parts):
             found.append(component)
     real: list[Component] = []
-    for component in found:
-        if time.monotonic() > deadline:
+    for place, component in enumerate(found):
+        job.tell("points of components", place / len(found))
+        if job.late:
             return _outermost(real), found, False
         if len(component.points):
             real.append(component)

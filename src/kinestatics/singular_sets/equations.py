@@ -16,10 +16,14 @@ from ..symbolic.functions import WaveFunction
 from ..symbolic.halfangle import HalfAngleRing, Waves
 from ..symbolic.printing import shortest
 from ..symbolic.ring import Polynomial
+from ..symbolic.writer import rounded_text
 from .enclosure import proved_free_on_circle
 
 _TRIES, _REAL, _STEPS = 200, 1e-12, 40
 _ROUNDING = 1e-9
+DIGITS = 60  # of numbers in an expression, beyond which decimals stand for them
+_TERMS = 1000  # of an equation nobody reads
+_READABLE = 600  # characters of an equation
 _DOUBLE = 1e-14  # of a discriminant: two roots that floats do not tell apart
 
 
@@ -98,11 +102,27 @@ class Equation:
         product = self.parts[0]
         for part in self.parts[1:]:
             product = product * part
-        return product, shortest(self.space.half, product)
+        if digits_of(product) <= DIGITS:
+            return product, shortest(self.space.half, product)
+        largest = max(map(abs, product.coeffs()))
+        return product / largest, self._in_decimals(product / largest)
+
+    def _in_decimals(self, F: Polynomial) -> Any:
+        """A sum of waves whose exact numbers nobody could read, with those of floats."""
+        import sympy
+
+        f, joints = WaveFunction.of(self.space.half, F, {}), self.space.half.ring.joints
+        terms = []
+        for k, powers, cosine, sine in zip(f.frequencies, f.powers, f.cosines, f.sines, strict=True):
+            phase = sympy.Add(*[sympy.Rational(round(2 * x), 2) * q for x, q in zip(k, joints, strict=True) if x])
+            slides = sympy.Mul(*[q ** int(x) for x, q in zip(powers, joints, strict=True) if x])
+            terms += [sympy.Float(cosine) * sympy.cos(phase) * slides] if cosine else []
+            terms += [sympy.Float(sine) * sympy.sin(phase) * slides] if sine else []
+        return sympy.Add(*terms)
 
     @cached_property
     def expression(self) -> Any:
-        """SymPy, in the joints' symbols and the lengths."""
+        """SymPy, in the joints' symbols and the lengths; decimals where exact numbers would have dozens of digits."""
         expression = self._unscaled[1]
         return (expression / _scale(expression)).expand(mul=True, deep=False, power_base=False, power_exp=False)
 
@@ -160,15 +180,32 @@ class Equation:
         exact = space.exact
         return all(proved_free_on_circle(space.half, space.waves(F), exact, j, space.model.n) for F in self.parts)
 
+    @property
+    def long(self) -> bool:
+        """Whether its expression is nothing to read."""
+        return sum(map(len, self.parts)) > _TERMS or len(str(self.expression)) > _READABLE
+
+    @property
+    def shown(self) -> str:
+        """The expression, or f(q2, q3, ...) for one that is long."""
+        joints = ", ".join(str(self.space.half.ring.joints[j]) for j in self.columns)
+        return f"f({joints})" if self.long else rounded_text(self.expression)
+
     def text(self) -> str:
         """As a person writes it: "sin(q5) = 0", with the joint's values in degrees where it depends on one."""
         if self.solutions is None:
-            return f"{self.expression} = 0"
+            waves = f", a sum of {sum(len(f.cosines) for f in self.functions)} waves (.expression has it)"
+            return f"{self.shown} = 0{waves if self.long else ''}"
         if not self.solutions:
-            return f"{self.expression} = 0 (no solution was found)"
+            return f"{self.shown} = 0 (no solution was found)"
         turns = self.space.half.ring.turns[self.columns[0]]
         shown = ", ".join(f"{format_number(np.degrees(x))}°" if turns else f"{format_number(x)} m" for x in self.solutions)
-        return f"{self.expression} = 0  ({self.space.half.ring.joints[self.columns[0]]} = {shown})"
+        return f"{self.shown} = 0  ({self.space.half.ring.joints[self.columns[0]]} = {shown})"
+
+
+def digits_of(F: Polynomial) -> int:
+    """Digits of the longest number of a polynomial."""
+    return max((len(str(x)) for x in F.coeffs()), default=0)
 
 
 def equations(parts: Sequence[tuple[Polynomial, int]], space: Space) -> list[tuple[Equation, int]]:
@@ -190,7 +227,7 @@ def equations(parts: Sequence[tuple[Polynomial, int]], space: Space) -> list[tup
             even.append((Equation((F, odd.pop(k)[0]), space), times))
         else:
             even.append((Equation((F,), space), times))
-    return sorted(even, key=lambda x: (x[0].columns, str(x[0].parts)))
+    return even if len(even) == 1 else sorted(even, key=lambda x: (x[0].columns, str(x[0].parts)))
 
 
 def together(F: Polynomial, G: Polynomial, half: HalfAngleRing) -> bool:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -13,14 +12,13 @@ from ..frames import TIP
 from ..kinematics import configuration, require_model
 from ..model import RobotModel
 from ..namespaces import Array
-from ..spatial import ANGULAR_ROWS
 from ..tasks import Task, find_task
-from .axis_geometry import GENERAL, TOLERANCE, Axes, Structure, axes_at, common_point, structure_of
-from .task_map import TaskMap, task_map
+from .anatomy import BALL, LOST, Anatomy, Blocks, anatomy_of, flat, rank_of
+from .axis_geometry import GENERAL, TOLERANCE, Axes, common_point
 
-_SAMPLES = 6
-_BALL = 3  # axes of a ball joint
-_LOST = 1e-8  # a singular value of a posture on a component, in shares of the largest
+_NAMES = ("shoulder", "elbow", "wrist")
+_NEAR = 1e-3  # a wrist so nearly singular that what the arm does for it is not told from samples
+_SMALL_ARM = 3  # joints of an arm without one to spare
 
 
 def name_of(model: RobotModel, samples: Any, joints: Sequence[str | int], at: str = TIP, task: Task | None = None) -> str:
@@ -33,22 +31,30 @@ def name_of(model: RobotModel, samples: Any, joints: Sequence[str | int], at: st
         at, task: as the component was found; default task: "auto".
 
     Returns:
-        "wrist", "elbow", "shoulder", or "other" where none of these holds at every sample, or more than one does.
+        "wrist", "elbow", "shoulder", two of them in the order from the base ("shoulder and wrist") where both hold at every
+        sample, or "other" where none does. Samples of a lower rank than the others are not counted.
 
-    Law: the last joints that turn the tip, as many as the task has angular freedoms, are the wrist, with angular rows A; the
-    joints before it are the arm, and move the tip by S when the wrist holds its attitude (Schur's complement of A in J).
+    Law: only joints that move the link count. The last joints that turn it, as many as the task has angular freedoms, are
+    the wrist, with angular rows A; the joints before it are the arm, and move the tip by S when the wrist holds its attitude
+    (Schur's complement of A in J).
     - wrist: A loses rank, and the equations are of wrist joints alone;
-    - elbow: two arm joints that follow each other, with axes that are always parallel, move the tip along one line, and the
-      equations hold the second: the arm is stretched or folded; or, where a spherical shoulder carries the elbow, the lost
-      direction points from the wrist's centre to the shoulder's;
+    - elbow: joints that follow each other, with axes that are always parallel, lose a freedom in J or in S, and the second
+      of them is in the equations: their axes, and the wrist's centre, are in one plane, the arm is stretched or folded; or,
+      where a ball joint carries the elbow, the lost direction points from the ball to the wrist's centre;
     - shoulder: the wrist's centre is on the axis of an arm joint, which does not move it; or the lost direction is that of
       the second axis, into which the first joint alone can move (the centre is in the plane through axis 1 parallel to axis
       2); or the first three axes meet in one point, are in one plane, and the equations are of these joints alone.
+    In a chain of shoulder, elbow and wrist with a joint to spare (3 + 1 + 3 axes) a part names the component too where it
+    wastes a freedom: its three axes (the elbow with a neighbour on either side) are parallel to one plane, and its middle
+    joint is in the equations. In any other chain that a ball joint carries, the three axes of shoulder or elbow have to be
+    dependent as lines: two of them line up.
 
     Example:
         >>> import kinestatics as ks
         >>> name_of(ks.load("planar_2r"), [[0.3, 0.0], [1.0, 0.0]], ["joint2"])
         'elbow'
+        >>> name_of(ks.load("iiwa_14"), [[0.3, 0.0, 0.5, 0.9, 0.4, 0.0, 0.1]], ["joint_a2", "joint_a6"])
+        'shoulder and wrist'
     """
     require_model(model)
     array, xp = configuration(model, samples)
@@ -59,11 +65,16 @@ def name_of(model: RobotModel, samples: Any, joints: Sequence[str | int], at: st
     columns = frozenset(_column(model, joint) for joint in joints)
     if not len(postures) or not columns or not 0 < found.rank <= len(found.rows):
         return "other"
-    anatomy = _anatomy(model, at, found)
+    anatomy = anatomy_of(model, at, tuple(found.rows), found.rank)
     if anatomy is None:
         return "other"
-    names = {_name_at(anatomy, q, columns) for q in postures}
-    return names.pop() if len(names) == 1 else "other"
+    held = frozenset(anatomy.places.index(column) for column in columns if column in anatomy.places)
+    return _joined(_words(anatomy, anatomy.at(postures), held))
+
+
+def _joined(words: frozenset[str]) -> str:
+    named = [name for name in _NAMES if name in words]
+    return f"{', '.join(named[:-1])} and {named[-1]}" if len(named) > 1 else "".join(named) or "other"
 
 
 def _column(model: RobotModel, joint: str | int) -> int:
@@ -78,146 +89,106 @@ def _column(model: RobotModel, joint: str | int) -> int:
     return int(joint)
 
 
-class _Anatomy(NamedTuple):
-    """Which columns are the arm and which the wrist; the map of the rows with the linear ones first."""
-
-    of: TaskMap
-    at: str
-    rank: int
-    arm: list[int]
-    wrist: list[int]
-    structure: Structure
-    linear: list[int]
-    angular: list[int]
-    spread: Array
-
-    def blocks(self, q: Array) -> tuple[Array, Array, Array, Array]:
-        """Linear and angular rows of arm and wrist: J_la, J_lw, J_aa, A; angular rows on an orthonormal basis."""
-        J = TaskMap.jacobian(self.of, q / self.of.travel)
-        turning = self.spread.T @ J[self.angular] if self.angular else np.zeros((0, J.shape[1]))
-        moving = J[self.linear]
-        return moving[:, self.arm], moving[:, self.wrist], turning[:, self.arm], turning[:, self.wrist]
+def _words(anatomy: Anatomy, blocks: list[Blocks], held: frozenset[int]) -> frozenset[str]:
+    """The names that hold at all postures, those that are singular beyond their neighbours left out."""
+    sigma = np.linalg.svd(np.stack([b.J for b in blocks]), compute_uv=False)
+    ranks = (sigma > LOST * sigma[:, :1]).sum(-1)
+    if ranks.max() >= anatomy.rank:
+        return frozenset()
+    general = [b for b, rank in zip(blocks, ranks, strict=True) if rank == ranks.max()]
+    if any(b.S is None for b in general) or not anatomy.wrist:
+        kept = general
+    else:  # S is known as well as A can be inverted
+        sure = [b for b in general if np.linalg.svd(b.A, compute_uv=False)[-1] > _NEAR]
+        kept = sure or general
+    return frozenset.intersection(*(_words_at(anatomy, b, held) for b in kept))
 
 
-def _anatomy(model: RobotModel, at: str, task: Task) -> _Anatomy | None:
-    """None where the joints of the chain are not the columns, or no last joints account for the angular freedoms."""
-    path = model.path(model.link_joints[model.link(at)])
-    if [model.columns[i] for i in path] != list(range(model.n)):
-        return None
-    plain_map = task_map(model, task, at)
-    of = TaskMap(model, task.rows, at, plain_map.length, np.eye(len(task.rows)), plain_map.travel)
-    linear = [k for k, r in enumerate(task.rows) if r not in ANGULAR_ROWS]
-    angular = [k for k, r in enumerate(task.rows) if r in ANGULAR_ROWS]
-    rng = np.random.default_rng(20260208)
-    J = of.jacobian(rng.uniform(-np.pi, np.pi, (_SAMPLES, model.n)))
-    U, sigma, _ = np.linalg.svd(np.moveaxis(J[:, angular], 0, 1).reshape(len(angular), _SAMPLES * model.n))
-    freedoms = int((sigma > GENERAL).sum())
-    spread = U[:, :freedoms]
-    turning = spread.T @ J[:, angular]
-    for count in range(model.n + 1):
-        wrist = list(range(model.n - count, model.n))
-        if count >= freedoms and _rank(turning[..., wrist]) == freedoms:
-            if count != freedoms:
-                return None
-            arm = list(range(model.n - count))
-            structure = structure_of(model, at, of.length)
-            return _Anatomy(of, at, task.rank, arm, wrist, structure, linear, angular, spread)
-    return None
+def _words_at(anatomy: Anatomy, b: Blocks, held: frozenset[int]) -> frozenset[str]:
+    found = {name for name in ("shoulder", "elbow") if _wasted(anatomy, b, held, name)}
+    if anatomy.parted and b.S is None:
+        if held <= set(anatomy.wrist) or (anatomy.shoulder and anatomy.wrist[1] in held):
+            found.add("wrist")
+        return frozenset(found)
+    if _stretched(anatomy, b, held):
+        found.add("elbow")
+    if b.S is not None and len(b.S) and b.S.shape[1] and _arm_loses(anatomy, b.S) and _shoulder(anatomy, b, held):
+        found.add("shoulder")
+    return frozenset(found)
 
 
-def _rank(matrices: Array) -> int:
-    if not matrices.shape[-1] or not matrices.shape[-2]:
-        return 0
-    sigma = np.linalg.svd(matrices, compute_uv=False)
-    return int((sigma > GENERAL).sum(-1).min())
+def _arm_loses(anatomy: Anatomy, S: Array) -> bool:
+    return rank_of(S, LOST * max(1.0, float(np.abs(S).max()))) < anatomy.rank - len(anatomy.wrist)
 
 
-def _name_at(anatomy: _Anatomy, q: Array, columns: frozenset[int]) -> str:
-    J_la, J_lw, J_aa, A = anatomy.blocks(q)
-    whole = np.vstack([np.hstack([J_la, J_lw]), np.hstack([J_aa, A])])
-    sigma = np.linalg.svd(whole, compute_uv=False)
-    if (sigma > _LOST * sigma[0]).sum() >= anatomy.rank:
-        return "other"
-    if len(anatomy.wrist) and np.linalg.svd(A, compute_uv=False)[-1] <= _LOST:
-        return "wrist" if columns <= set(anatomy.wrist) else "other"
-    if not anatomy.arm or not anatomy.linear:
-        return "other"
-    S = J_la - J_lw @ np.linalg.solve(A, J_aa) if len(anatomy.wrist) else J_la
-    axes = axes_at(anatomy.of.model, q, anatomy.at, anatomy.of.length)
-    s = np.linalg.svd(S, compute_uv=False)
-    drop = anatomy.rank - len(anatomy.wrist)
-    if drop < 1 or (s > _LOST * max(1.0, s[0])).sum() >= drop:
-        return "other"
-    names = {name for name, holds in (("elbow", _elbow), ("shoulder", _shoulder)) if holds(anatomy, axes, S, columns)}
-    return names.pop() if len(names) == 1 else "other"
+def _wasted(anatomy: Anatomy, b: Blocks, held: frozenset[int], name: str) -> bool:
+    """Whether a part loses a freedom by itself, through its middle joint."""
+    part = anatomy.shoulder if name == "shoulder" else anatomy.elbow
+    if not part or part[1] not in held:
+        return False
+    if anatomy.redundant:
+        return flat(b.axes, part, TOLERANCE)
+    sigma = np.linalg.svd(b.twists[:, list(part)], compute_uv=False)
+    return bool(sigma[-1] <= LOST * sigma[0])
 
 
 def _lost(S: Array) -> Array | None:
     """The one linear direction that is lost; None where there are more, or none."""
     U, s, _ = np.linalg.svd(S)
     s = np.r_[s, np.zeros(len(U) - len(s))]
-    lost = s <= _LOST * max(1.0, s[0])
+    lost = s <= LOST * max(1.0, s[0])
     return np.asarray(U[:, -1]) if lost.sum() == 1 else None
 
 
-def _center(anatomy: _Anatomy, axes: Axes) -> Array | None:
-    """The wrist's centre: where all axes of the wrist always meet; the tip where there is no wrist."""
+def _center(anatomy: Anatomy, axes: Axes) -> Array | None:
+    """The wrist's centre: where its axes, or the first two, always meet; the tip where there is no wrist."""
     if len(anatomy.wrist) < 2:
         return axes.tip
-    return common_point(axes, anatomy.wrist, TOLERANCE) if anatomy.structure.point(anatomy.wrist) else None
+    return common_point(axes, anatomy.center, TOLERANCE) if anatomy.center else None
 
 
-def _elbow(anatomy: _Anatomy, axes: Axes, S: Array, columns: frozenset[int]) -> bool:
-    turning = [i for i in anatomy.arm if i in axes.turning]
-    flat = all(anatomy.structure.parallel(turning[0], j) for j in turning)
-    least = anatomy.rank - len(anatomy.wrist)
-    if flat or len(anatomy.arm) <= least:
-        for i, j in itertools.pairwise(turning):
-            if j not in columns or not anatomy.structure.parallel(i, j):
-                continue
-            pair = np.linalg.svd(S[:, [i, j]], compute_uv=False)
-            if pair[-1] <= _LOST * max(1.0, pair[0]) and pair[0] > GENERAL:
-                return True
-    return _stretched(anatomy, axes, S, columns, turning)
+def _stretched(anatomy: Anatomy, b: Blocks, held: frozenset[int]) -> bool:
+    """Parallel axes and the centre in one plane, or a ball, the elbow and the centre on one line."""
+    for group, (in_task, of_arm) in zip(anatomy.groups, anatomy.freedoms, strict=True):
+        if group[1] not in held:
+            continue
+        if rank_of(b.J[:, list(group)], LOST) < in_task:
+            return True
+        inside = [anatomy.arm.index(k) for k in group if k in anatomy.arm]
+        if b.S is not None and len(inside) > 1 and 0 < rank_of(b.S[:, inside], LOST) < of_arm:
+            return True
+    return _on_one_line(anatomy, b, held)
 
 
-def _stretched(anatomy: _Anatomy, axes: Axes, S: Array, columns: frozenset[int], turning: list[int]) -> bool:
-    """A spherical shoulder, and a lost direction from it to the wrist's centre: one joint in between is the elbow."""
-    if len(turning) < 4 or len(S) != 3 or not anatomy.structure.point(turning[:_BALL]):
+def _on_one_line(anatomy: Anatomy, b: Blocks, held: frozenset[int]) -> bool:
+    """Whether the lost direction points from the ball that carries the elbow to the wrist's centre."""
+    ball, bends = anatomy.ball, [k for k in anatomy.arm if k in b.axes.turning]
+    if not ball or len(bends) == BALL or held & set(ball) or b.S is None or len(b.S) != BALL:
         return False
-    shoulder, center, lost = common_point(axes, turning[:_BALL], TOLERANCE), _center(anatomy, axes), _lost(S)
-    if shoulder is None:
-        shoulder = axes.meeting(turning[0], turning[1], 1e-12)
-    if shoulder is None or center is None or lost is None or not columns <= set(turning[_BALL:]):
+    lost, center = _lost(b.S), _center(anatomy, b.axes)
+    start = b.axes.meeting(ball[0], ball[1], TOLERANCE)
+    start = start if start is not None else b.axes.meeting(ball[1], ball[2], TOLERANCE)
+    if lost is None or center is None or start is None:
         return False
-    reach = center - shoulder
+    reach = center - start
     size = float(np.linalg.norm(reach))
-    return size > GENERAL * axes.size and float(np.linalg.norm(np.cross(lost, reach))) <= TOLERANCE * size
+    return size > GENERAL * b.axes.size and float(np.linalg.norm(np.cross(lost, reach))) <= TOLERANCE * size
 
 
-def _shoulder(anatomy: _Anatomy, axes: Axes, S: Array, columns: frozenset[int]) -> bool:
-    turning = [i for i in anatomy.arm if i in axes.turning]
-    if len(S) != 3 or not turning:
+def _shoulder(anatomy: Anatomy, b: Blocks, held: frozenset[int]) -> bool:
+    S, turning = b.S, [i for i in anatomy.arm if i in b.axes.turning]
+    if S is None or len(S) != BALL or not turning:
         return False
-    planar = len(turning) > 1 and anatomy.structure.parallel(turning[0], turning[1])
-    if (
-        len(turning) > 2
-        and turning[:_BALL] == [0, 1, 2]
-        and columns <= {0, 1, 2}
-        and anatomy.structure.point(turning[:_BALL])
-    ):
-        return bool(abs(np.linalg.det(axes.u[:_BALL])) <= TOLERANCE)
-    idle = [i for i in turning if np.linalg.norm(S[:, i]) <= _LOST]
-    others = [i for i in anatomy.arm if i not in idle]
-    if idle and len(anatomy.arm) <= 3 and _independent(S[:, others]):
+    if anatomy.ball == (0, 1, 2) and held <= set(anatomy.ball):
+        return flat(b.axes, anatomy.ball, TOLERANCE)
+    small = len(anatomy.arm) <= _SMALL_ARM
+    idle = [i for i in turning if np.linalg.norm(S[:, i]) <= LOST]
+    others = [i for i in range(S.shape[1]) if i not in idle]
+    if idle and small and rank_of(S[:, others]) == len(others):
         return True
     lost = _lost(S)
-    if lost is None or planar or len(turning) < 2 or len(anatomy.arm) > 3 or turning[0] != 0:
+    if lost is None or not anatomy.upright or turning[0] != 0:
         return False
-    along = float(np.linalg.norm(np.cross(lost, axes.u[turning[1]])))
-    return along <= TOLERANCE and _independent(S[:, 1:])
-
-
-def _independent(columns: Array) -> bool:
-    sigma = np.linalg.svd(columns, compute_uv=False)
-    return columns.shape[1] == 0 or bool(sigma[-1] > GENERAL)
+    along = float(np.linalg.norm(np.cross(lost, b.axes.u[turning[1]])))
+    behind = S[:, 1:] / max(float(np.abs(S[:, 1:]).max()), LOST)
+    return along <= TOLERANCE and rank_of(behind) == BALL - 1

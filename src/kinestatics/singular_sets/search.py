@@ -14,12 +14,12 @@ from ..errors import ArrayTypeError, ConfigurationError
 from ..frames import TIP
 from ..kinematics import jacobian, require_model
 from ..model import RobotModel
+from ..progress import Job, Progress
 from ..spatial import LINEAR_ROWS
 from ..symbolic.branches import Splitter
 from ..symbolic.chain import ExactChain, determinant
-from ..symbolic.exact import exact, free_symbols
+from ..symbolic.exact import FRACTIONS, MOST_KEPT, exact, free_symbols
 from ..symbolic.halfangle import HalfAngleRing
-from ..symbolic.printing import shortest
 from ..symbolic.ring import Polynomial
 from ..symbolic.values import in_numbers
 from ..tasks import Task, find_task
@@ -29,9 +29,8 @@ from .singular_set import SingularSet
 
 _BUDGET = 20.0
 _RESIDUAL_SAMPLES = 32
-_WITH_SAMPLES = 1.5  # of the budget, at which components are no longer sampled
+_TO_SPLIT = 0.7  # of the time, for splitting conditions; the rest is for sampling components
 _MOST_MINORS = 500
-_MOST_ANGLES = 3  # that are general: with more, polynomials of a robot of numbers grow beyond use
 _SHORT = 40  # terms of a factor whose zeros are looked for while conditions are split
 
 
@@ -43,6 +42,7 @@ def singularities(
     lengths: str | Mapping[Any, float] = "auto",
     tolerance: float = 1e-5,
     budget: float = _BUDGET,
+    progress: Progress | None = None,
 ) -> SingularSet:
     """Where an arm is singular, in closed form.
 
@@ -53,18 +53,21 @@ def singularities(
         lengths: of a robot of numbers: "auto", "named" (a2, d4, ... after Denavit and Hartenberg) or "numbers". "auto" takes
             names unless the numbers are special, so that more factors. Of a robot of symbols: numbers for them, where known.
         tolerance: as in `exact`.
-        budget: [s] after which conditions are no longer split.
+        budget: [s] after which conditions are no longer split; a step of algebra that has begun is ended.
+        progress: told what is being done; what it raises ends the search.
 
     Returns:
         SingularSet.
 
     Raises:
         ConfigurationError: KS391 for screw joints and odd mimic ratios; KS397 for values that are missing or no numbers;
-            KS399 for more joints, or more general angles, than can be gone through.
+            KS399 for more joints than can be gone through; KS353 for a budget that is none.
         ArrayTypeError: KS390. UnknownNameError: KS310, KS318. MissingExtraError: KS400.
 
     Law: rank J(q) < rank of the task at almost every q. The determinant is computed in the frame of a middle link and
-    factored in sines and cosines of half angles, which is complete over the rationals.
+    factored in sines and cosines of half angles, which is complete over the rationals. The rotations of an arm with more
+    than three general angles, such as a calibrated one, are those of fractions, as in `exact(arm, angles="fractions")`:
+    the determinant is then a sum of at most a few hundred waves.
 
     Example:
         >>> import kinestatics as ks
@@ -73,35 +76,31 @@ def singularities(
         ['shoulder', 'elbow', 'wrist']
     """
     require_model(model)
-    began, started = time.perf_counter(), time.monotonic()
+    began, job = time.perf_counter(), Job.of(budget, progress)
     numeric, chain, values, given = _prepared(model, at, lengths, tolerance)
     found_task = find_task(numeric, task, at=at)
     half = HalfAngleRing(chain.ring)
-    minors = _minors(chain, found_task)
-    if (
-        lengths == "auto"
-        and not model.is_symbolic
-        and chain.lengths
-        and _special(model, at, tolerance, found_task, minors, half)
-    ):
+    minors = _minors(chain, found_task, job)
+    by_name = lengths == "auto" and not model.is_symbolic and bool(chain.lengths)
+    if by_name and _special(model, at, tolerance, found_task, minors, half, job):
         chain = ExactChain.of(exact(model, tolerance), at)
         half, values = HalfAngleRing(chain.ring), {}
-        minors = _minors(chain, found_task)
+        minors = _minors(chain, found_task, job)
     space = Space(half, numeric, values, given, {} if model.is_symbolic else chain.lengths)
     lifted = [half.lifted(minor) for minor in minors]
     if _is_square(found_task, chain):
-        expression, factors, candidates = _of_determinant(lifted[0], space, found_task, at)
+        constant, factors, candidates = _of_determinant(lifted[0], space, found_task, at)
         components, complete = [c for c in candidates if len(c.points)], True
     else:
-        expression, factors = None, ()
-        components, candidates, complete = _of_minors(lifted, space, found_task, at, budget, started)
+        constant, factors = None, ()
+        components, candidates, complete = _of_minors(lifted, space, found_task, at, job)
     residual = 0.0 if model.is_symbolic else _residual(model, numeric, at)
     named = {} if model.is_symbolic else chain.lengths
     return SingularSet(
         numeric,
         at,
         found_task,
-        expression,
+        constant,
         factors,
         tuple(components),
         tuple(candidates),
@@ -124,11 +123,11 @@ def _prepared(
             raise ConfigurationError("KS397", f"lengths is {lengths!r}", hint)
         nominal = exact(model, tolerance)
         chain = ExactChain.of(nominal, at)
-        if len(chain.ring.constants) > _MOST_ANGLES:
-            message = f"{len(chain.ring.constants)} angles of the robot are no right angles, nor multiples of 15 degrees"
-            hint = "of a calibrated robot, singularities(arm, tolerance=0.01) finds the nominal form"
-            raise ConfigurationError("KS399", message, hint)
-        chain = chain if lengths == "numbers" else chain.named()
+        general = len(chain.ring.constants) > MOST_KEPT
+        if general:
+            nominal = exact(model, tolerance, angles=FRACTIONS)
+            chain = ExactChain.of(nominal, at)
+        chain = chain.named() if lengths == "named" or (lengths == "auto" and not general) else chain
         return in_numbers(nominal, {}), chain, {s: float(v) for s, v in chain.lengths.items()}, True
     symbols = sorted(free_symbols(model), key=str)
     values, given = _values(symbols, lengths)
@@ -157,11 +156,11 @@ def _values(symbols: Sequence[Any], lengths: Any) -> tuple[dict[Any, float], boo
         raise ArrayTypeError("KS302", f"lengths are {lengths!r}", "numbers, by symbol or by name") from None
 
 
-def _minors(chain: ExactChain, task: Task) -> list[Polynomial]:
+def _minors(chain: ExactChain, task: Task, job: Job) -> list[Polynomial]:
     """The minors of the size of the rank of the task: rank is lost where all of them vanish.
 
     Raises:
-        ConfigurationError: KS399 where there are too many of them.
+        ConfigurationError: KS399 where there are too many of them, or time is up before they are known.
     """
     rows = chain.task_rows(task.rows)
     columns = [j for j in range(chain.columns) if any(row[j] != 0 for row in rows)]
@@ -170,23 +169,28 @@ def _minors(chain: ExactChain, task: Task) -> list[Polynomial]:
         message = f"{len(columns)} joints and {len(rows)} rows of rank {task.rank} have {count} minors"
         hint = "hold some joints (joints={...} of ks.load, --hold), or choose fewer rows"
         raise ConfigurationError("KS399", message, hint)
-    found = []
+    found, done = [], 0
     for chosen in itertools.combinations(range(len(rows)), task.rank):
         for kept in itertools.combinations(columns, task.rank):
+            job.tell("determinants", done / count)
+            if done and job.late:
+                message = f"{done} of {count} minors were found before time was up"
+                raise ConfigurationError("KS399", message, "a larger budget, held joints, or fewer rows")
             M = [[rows[r][c] for c in kept] for r in chosen]
+            done += 1
             if (minor := determinant(chain.ring, M)) != 0:
                 found.append(minor)
     return found
 
 
 def _special(
-    model: RobotModel, at: str, tolerance: float, task: Task, named: Sequence[Polynomial], half: HalfAngleRing
+    model: RobotModel, at: str, tolerance: float, task: Task, named: Sequence[Polynomial], half: HalfAngleRing, job: Job
 ) -> bool:
     """Whether the numbers of a robot are such that its determinant factors further than that of its kind."""
     if len(named) != 1:
         return False
     chain = ExactChain.of(exact(model, tolerance), at)
-    numbers = _minors(chain, task)
+    numbers = _minors(chain, task, job)
     if len(numbers) != 1:
         return True
     own = HalfAngleRing(chain.ring)
@@ -199,30 +203,23 @@ def _special(
 
 def _of_determinant(
     lifted: Polynomial, space: Space, task: Task, at: str
-) -> tuple[Any, tuple[tuple[Equation, int], ...], list[Component]]:
-    """The determinant, its factors, and as components those that may have real zeros."""
-    import sympy
-
+) -> tuple[Polynomial, tuple[tuple[Equation, int], ...], list[Component]]:
+    """Of the determinant what is the same at all postures, its factors, and as components those that may have real zeros."""
     constant, parts = space.half.factored(lifted)
     found = equations(parts, space)
-    leading = constant
-    for equation, times in found:
-        leading *= equation.scale**times
-    expression = sympy.Mul(shortest(space.half, leading), *[e.expression**m for e, m in found])
     candidates = [Component((e,), task, at, space, multiplicity=m) for e, m in found if e.real is not False]
-    return expression, tuple(found), candidates
+    return constant, tuple(found), candidates
 
 
 def _of_minors(
-    lifted: Sequence[Polynomial], space: Space, task: Task, at: str, budget: float, began: float
+    lifted: Sequence[Polynomial], space: Space, task: Task, at: str, job: Job
 ) -> tuple[list[Component], list[Component], bool]:
-    deadline = began + budget
 
     def void(factor: Polynomial) -> bool:
         return space.given and len(factor.to_dict()) <= _SHORT and Equation((factor,), space).real is False
 
-    branches = Splitter(space.half, deadline, void).split(lifted)
-    kept, candidates, whole = components_of(branches, space, task, at, began + _WITH_SAMPLES * budget)
+    branches = Splitter(space.half, job.within(_TO_SPLIT), void).split(lifted)
+    kept, candidates, whole = components_of(branches, space, task, at, job)
     return kept, candidates, whole and all(not branch.others for branch in branches)
 
 

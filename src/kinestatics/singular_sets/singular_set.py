@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import itertools
-import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -13,23 +12,28 @@ import numpy as np
 from ..errors import ConfigurationError, UnknownNameError, nearest
 from ..model import RobotModel
 from ..namespaces import Array
+from ..progress import Job, Progress
 from ..quantities import format_number, wrapped
 from ..statics import RANK_TOLERANCE
 from ..symbolic.functions import WaveFunction
+from ..symbolic.printing import shortest
+from ..symbolic.writer import rounded_text
 from ..tasks import Task
-from .aspects import Aspects, count_aspects
+from .aspects import Aspects, box_of, count_aspects
 from .card import Card, card_of
-from .certificate import Certificate, certify, check_equations
+from .certificate import Certificate, certify, certify_path
 from .components import Component, spectrum
 from .distance import Distance, distance_to
 from .enclosure import Domain
-from .equations import Equation, Space
+from .equations import DIGITS, Equation, Space, digits_of
+from .exclusion import Exclusion
 from .reach import on_boundary
 from .second_order import second_order
 from .tracing import Curve, Cusp, cusps_of, trace
+from .workspace import Section, WorkspaceSection, check_section, section_of
 
 _BUDGET = 20.0
-_ROUNDING = 1e-12
+_ROUNDING = 1e-9  # of a residual
 _RESIDUAL_SAMPLES = 32
 _SHORT = 40  # terms of a factor whose zeros are looked for while conditions are split
 
@@ -40,7 +44,7 @@ class SingularSet:
 
     Attributes:
         model: the robot in its nominal numbers; link: whose motion it is; task: the rows in play and their rank.
-        determinant: SymPy, factored, in axes in which it is shortest (it is the same in all); None where J is not square.
+        constant: what of the determinant is the same at all postures; None where J is not square.
         factors: its equations with multiplicities, those without real zeros included.
         components: the parts of the singular set that have real points: where all equations of one hold, rank is lost.
         candidates: these and all that samples alone left out: what `certify_free` excludes. With `components` they are the
@@ -71,7 +75,7 @@ class SingularSet:
     model: RobotModel
     link: str
     task: Task
-    determinant: Any
+    constant: Any
     factors: tuple[tuple[Equation, int], ...]
     components: tuple[Component, ...]
     candidates: tuple[Component, ...]
@@ -87,6 +91,43 @@ class SingularSet:
         """Whether the arm is never singular in this task, proved: no factor has real zeros."""
         decided = all(equation.real is False for equation, _ in self.factors)
         return self.complete and not self.candidates and decided
+
+    @cached_property
+    def determinant(self) -> Any:
+        """SymPy, factored, in axes in which it is shortest (it is the same in all); None where J is not square."""
+        import sympy
+
+        if self.constant is None:
+            return None
+        number = self.constant
+        for equation, times in self.factors:
+            number *= equation.scale**times
+        leading = shortest(self.space.half, number)
+        if leading.is_Rational and digits_of(number) > DIGITS:
+            leading = sympy.Float(leading)
+        return sympy.Mul(leading, *[equation.expression**times for equation, times in self.factors])
+
+    @cached_property
+    def fourier(self) -> WaveFunction:
+        """The determinant as a sum of waves in numbers: `frequencies`, `cosines`, `sines`; value, gradient and Hessian.
+
+        Raises:
+            ConfigurationError: KS398 where there is no determinant, or lengths have no numbers.
+
+        Law: det J(q) = Σ_k cosines_k cos(frequencies_k · q) + sines_k sin(frequencies_k · q), times powers of slides.
+
+        Example:
+            >>> import kinestatics as ks
+            >>> f = ks.singularities(ks.load("planar_2r")).fourier
+            >>> f.frequencies.tolist(), f.sines.tolist()
+            ([[0.0, 1.0]], [1.0])
+        """
+        if self.polynomial is None:
+            raise ConfigurationError(
+                "KS398", "J is not square: there is no determinant", "task= with as many rows as joints"
+            )
+        self._exact_lengths()
+        return WaveFunction.of(self.space.half, self.polynomial, self.space.values)
 
     def on(self, q: Any, tolerance: float = 1e-9) -> tuple[Component, ...]:
         """The components on which a configuration (n) lies, its equations held to a share of their amplitudes."""
@@ -133,19 +174,26 @@ class SingularSet:
         self._exact_lengths()
         return tuple(sorted((distance_to(c, array) for c in self.components), key=lambda d: d.value))
 
-    def certify_free(self, box: Any = None, *, path: Any = None, budget: float = 2.0) -> Certificate:
+    def certify_free(
+        self, box: Any = None, *, path: Any = None, budget: float = 2.0, progress: Progress | None = None
+    ) -> Certificate:
         """Whether a box of postures, or a path of straight pieces, is free of singularities, as a proof.
 
         Args:
-            box: (2, n) lower and upper corner, or a pair of them [rad]. path: (m, n) postures, m >= 2. One of the two.
-            budget: [s] for each box or piece of the path.
+            box: (2, n) lower and upper corner, or a pair of them [rad, m where joints slide].
+            path: (m, n) postures, m >= 2, joined by straight lines in the joints. One of the two.
+            budget: [s] for each box or piece of the path; math.inf for no end.
+            progress: told now and then what is being looked at, and which share of the path is done.
 
         Returns:
-            Certificate: "free" is proved by intervals with outward rounding for the nominal robot; "singular" has a witness;
-            "undecided" is neither.
+            Certificate: "free" is proved for the nominal robot, all rounding accounted for; "singular" has a witness;
+            "undecided" is neither. Of a path, the worst piece; what lies behind a singular one is not looked at.
 
         Raises:
-            ConfigurationError: KS303 for shapes, KS398 where a joint slides or lengths have no numbers.
+            ConfigurationError: KS303 for shapes, KS353 for a budget that is none, KS398 where lengths have no numbers.
+
+        Law: a component is absent from a piece where one of its equations f has |f(c)| > Σ h_i |∂f/∂q_i(c)| + ½ hᵀ H h, with
+        c the centre, h the half widths and H a bound of the second derivatives; others are halved.
 
         Example:
             >>> import kinestatics as ks
@@ -155,8 +203,8 @@ class SingularSet:
         """
         if (box is None) == (path is None):
             raise ConfigurationError("KS303", "certify_free takes a box or a path", "one of the two")
-        exact = self._exact_lengths()
-        check_equations(self.candidates)
+        self._exact_lengths()
+        Job.of(budget)
         corners = np.asarray(path if box is None else box, dtype=float)
         expected = corners.ndim == 2 and corners.shape[1] == self.model.n and len(corners) >= 2
         if not expected or not np.all(np.isfinite(corners)) or (box is not None and len(corners) != 2):
@@ -165,15 +213,14 @@ class SingularSet:
         if box is not None:
             if np.any(corners[0] > corners[1]):
                 raise ConfigurationError("KS303", "the box has a lower corner above the upper one", "lower first")
-            proof = certify(self.candidates, Domain.of_box(*corners), exact, budget, time.monotonic())
+            proof = certify(self._exclusion, Domain.of_box(*corners), Job.of(budget, progress))
             return replace(proof, residual=self.residual)
-        pieces = [
-            certify(self.candidates, Domain((a + b) / 2.0, (b - a)[None] / 2.0), exact, budget, time.monotonic())
-            for a, b in itertools.pairwise(corners)
-        ]
-        worst = min(pieces, key=lambda c: ("singular", "undecided", "free").index(c.verdict))
-        count, seconds = sum(c.pieces for c in pieces), sum(c.seconds for c in pieces)
-        return replace(worst, residual=self.residual, pieces=count, seconds=seconds)
+        return replace(certify_path(self._exclusion, corners, budget, progress), residual=self.residual)
+
+    @cached_property
+    def _exclusion(self) -> Exclusion:
+        """What certificates read, made once."""
+        return Exclusion(self.candidates, self.space)
 
     def trace(self, joints: Sequence[str | int], q: Any = None, step: float = 0.02) -> tuple[Curve, ...]:
         """The singular curves in the plane of two joints, for drawing.
@@ -233,30 +280,84 @@ class SingularSet:
             return joint
         raise UnknownNameError("KS313", f"there is no joint {joint!r}", nearest(str(joint), self.model.joint_names))
 
-    def aspects(self, starts: int = 600, seed: int = 0) -> Aspects:
-        """The regions of joint space that singular postures separate, all joints turning freely.
+    def aspects(
+        self,
+        starts: int = 600,
+        seed: int = 0,
+        *,
+        limits: bool = False,
+        budget: float = 60.0,
+        progress: Progress | None = None,
+    ) -> Aspects:
+        """The regions of joint space that singular postures separate.
 
         Args:
-            starts: postures from which critical points of the determinant are looked for; more find more.
+            starts: postures from which each round looks for regions and for ways between them; more find more.
             seed: of these postures.
+            limits: whether to count the regions within the joint limits, where a joint with more than a whole turn comes to
+                the same place in different regions; without, all joints turn freely.
+            budget: [s] after which what is found is handed back; progress: told of the rounds.
+
+        Returns:
+            Aspects: the count, a posture and the sign of each, and what of it is proved.
 
         Raises:
-            ConfigurationError: KS398 where there is no determinant, a joint slides, or lengths have no numbers.
+            ConfigurationError: KS398 where there is no determinant, lengths have no numbers, or a joint slides: without
+            limits any, with limits one that has none. KS353 for a budget that is no positive number.
 
         Example:
             >>> import kinestatics as ks
-            >>> ks.singularities(ks.load("puma_560")).aspects().count
-            8
+            >>> found = ks.singularities(ks.load("puma_560"))
+            >>> found.aspects().count, found.aspects(limits=True).count
+            (8, 16)
         """
-        if self.polynomial is None:
-            raise ConfigurationError(
-                "KS398", "J is not square: there is no determinant", "task= with as many rows as joints"
-            )
+        job = Job.of(budget, progress)
+        f = self.fourier
+        box = box_of(self.model, self.space.half.ring.turns, f.joints, limits)
+        return count_aspects(self.factors, f, self.space, box, starts, seed, job)
+
+    def workspace_section(
+        self,
+        *,
+        limits: bool = True,
+        cells: int = 64,
+        tolerance: float = 1e-5,
+        image: int = 400,
+        seed: int = 0,
+        budget: float = 60.0,
+        progress: Progress | None = None,
+    ) -> WorkspaceSection:
+        """What the tip reaches in the half plane through axis 1: its outline with voids, and the image of the singular set.
+
+        Of an arm that moves in the plane x, y, that plane. Angles of joint 1 are left out: where it cannot turn all around,
+        the section is that of the sector it sweeps.
+
+        Args:
+            limits: whether joint limits are kept; without, joints turn freely, and those that slide keep theirs.
+            cells: of the grid along the longer side, on which the outline is looked for: what is smaller may be missed.
+            tolerance: how far the outline may be from the pieces between its points, in reaches.
+            image: postures of each component of which the tip's place is given; 0 for none.
+            seed: of random postures; budget: [s] after which what is found is handed back; progress: told of the rounds.
+
+        Returns:
+            WorkspaceSection. Its outline is as far as many postures say: no place beyond was reached, which is no proof.
+
+        Raises:
+            ConfigurationError: KS398 where the task is not the position, the first joint slides, another one slides without
+            limits, or lengths have no numbers; KS303, KS353 for arguments.
+
+        Example:
+            >>> import kinestatics as ks
+            >>> found = ks.singularities(ks.load("elbow_rrr"), "position")
+            >>> section = found.workspace_section(cells=24, image=60)
+            >>> section.points.max(axis=0).round(3), sorted(set(section.kinds))
+            (array([0.85, 0.85]), ['axis', 'barrier'])
+        """
         self._exact_lengths()
-        f = WaveFunction.of(self.space.half, self.polynomial, self.space.values)
-        if f.slides:
-            raise ConfigurationError("KS398", "a joint slides", "aspects are counted for joints that turn")
-        return count_aspects(f, self.model.n, starts, seed)
+        around = check_section(self.model, self.link, self.task, cells, tolerance, image, seed)
+        job = Job.of(budget, progress)
+        section = Section(around, limits, cells, tolerance, image, seed)
+        return section_of(self.model, self.link, self.components, section, job)
 
     def _exact_lengths(self) -> dict[Any, Any]:
         """Exact numbers of the symbols.
@@ -294,11 +395,12 @@ class SingularSet:
 
     def __str__(self) -> str:
         lines = [f"singularities of {self.model.name!r}: {', '.join(self.task.row_names)} (rank {self.task.rank})"]
-        if self.determinant is not None:
+        if self.constant is not None:
+            short = not any(equation.long for equation, _ in self.factors)
             lines += (
-                wrapped("det J = ", str(self.determinant)).splitlines()
-                if len(str(self.determinant)) < 2000
-                else [f"det J: {len(self.determinant.args)} factors, too long to print (.determinant)"]
+                wrapped("det J = ", rounded_text(self.determinant)).splitlines()
+                if short and len(str(self.determinant)) < 2000
+                else ["det J: too long to print; it is .determinant, and .fourier in numbers"]
             )
         if not self.components:
             lines.append("never singular" if self.never else "no real component was found; that there is none is not proved")
@@ -311,11 +413,13 @@ class SingularSet:
             lines += wrapped("      ", f"rank {component.rank}, {taken}; {tail}").splitlines()
         for equation, _ in self.factors:
             if equation.real is False:
-                lines.append(f"  void: {equation.expression} = 0 has no real zeros")
+                lines.append(f"  void: {equation.shown} = 0 has no real zeros")
             elif equation.real is None:
-                lines.append(f"  not decided: whether {equation.expression} = 0 has real zeros")
+                lines.append(f"  not decided: whether {equation.shown} = 0 has real zeros")
         if not self.complete:
             lines.append("  time ran out: conditions that were not split are part of the components above")
+        if not self.lengths and any(equation.long for equation, _ in self.factors):
+            lines.append("  of a calibrated robot, singularities(arm, tolerance=0.01) finds the nominal form")
         if self.lengths:
             named = ", ".join(f"{symbol} = {float(value):g}" for symbol, value in self.lengths.items())
             lines += wrapped("  with ", f"{named} m").splitlines()

@@ -6,11 +6,11 @@ factors; a factor of one joint is solved and put into the others, which then fac
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from ..progress import Job
 from .halfangle import HalfAngleRing
 from .ring import Polynomial
 
@@ -37,12 +37,12 @@ class Splitter:
 
     Attributes:
         half: ring of the polynomials.
-        deadline: time.monotonic() at which what is left is handed back unsolved.
+        job: when its time is up, what is left is handed back unsolved.
         void: tells of a factor that it certainly has no zeros.
     """
 
     half: HalfAngleRing
-    deadline: float
+    job: Job
     void: Callable[[Polynomial], bool]
     steps: int = 0
     _factors: dict[str, Condition | None] = field(default_factory=dict)
@@ -76,7 +76,8 @@ class Splitter:
         if not conditions:
             yield Branch(branch)
             return
-        if time.monotonic() > self.deadline:
+        self.job.tell("splitting conditions")
+        if self.job.late:
             yield Branch(branch, tuple(conditions))
             return
         conditions.sort(key=self._effort)

@@ -15,7 +15,7 @@ from ..kinematics import require_model
 from ..model import RobotModel
 from ..quantities import Wrench, wrapped
 from .answers import ANSWERS, Answer
-from .exact import exact, sympy_module
+from .exact import FRACTIONS, MOST_KEPT, exact, sympy_module
 from .questions import QUANTITIES, Question, asked, check_options, require_masses
 from .writer import rounded_text
 
@@ -126,7 +126,8 @@ def closed_form(
         quantity: "pose" (4, 4) of a link; "jacobian" (6, n) of a link; "velocity" (6) J q̇; "acceleration" (6) J q̈ + J̇ q̇;
             "gravity_torques" (n) that hold the arm's weight; "joint_torques" (n) Jᵀ w; "determinant" of the rows of a task;
             "minors", all the largest ones of a task whose Jacobian is not square.
-        model: a robot of numbers (taken by `ks.exact`) or of symbols.
+        model: a robot of numbers (taken by `ks.exact`; of one with more than three general angles, such as a calibrated
+            one, with rotations of fractions, and numbers of 17 digits) or of symbols.
         at: link, default the tip.
         point: (3) of that link, in its axes [m]; numbers or symbols.
         frame: axes and origin of the rows, as in `ks.jacobian`. "auto": a Jacobian in the frame that makes it shortest, of
@@ -168,6 +169,8 @@ def closed_form(
     if quantity == "gravity_torques":
         require_masses(model)
     question = asked(quantity, exact(model), model, at, given)
+    if len(question.mechanism.ring.constants) > MOST_KEPT and not model.is_symbolic:
+        question = asked(quantity, exact(model, angles=FRACTIONS), model, at, given)
     if lengths == "symbols":
         question = replace(question, mechanism=question.mechanism.named())
     return _form_of(ANSWERS[quantity](question))

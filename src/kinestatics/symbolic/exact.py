@@ -20,6 +20,11 @@ _PARTS = 12
 """Angles are taken for whole multiples of 180/12 = 15 degrees, or of whole degrees, where they are that close."""
 _DIGITS = 1e-12
 _OF_REACH = 0.1
+_DENOMINATOR = 10**8
+"""Of a parameter of a rotation of fractions: the rotation is then within 1e-15 of the one given."""
+KEPT, FRACTIONS = "kept", "fractions"
+MOST_KEPT = 3
+"""Angles of a robot of numbers that determinants keep: with more, rotations of fractions keep polynomials small."""
 LETTERS = ("q", "theta", "joint")
 
 
@@ -66,7 +71,7 @@ def free_symbols(model: RobotModel) -> set[Any]:
     return found
 
 
-def exact(model: RobotModel, tolerance: float = 1e-5) -> RobotModel:
+def exact(model: RobotModel, tolerance: float = 1e-5, *, angles: str = KEPT) -> RobotModel:
     """The robot with its decimals as fractions and its right angles exact, for closed forms.
 
     A file writes 90 degrees as 1.5708 and 0.425 m as a sum of floats; kinematics does not mind, algebra does: only where
@@ -77,12 +82,15 @@ def exact(model: RobotModel, tolerance: float = 1e-5) -> RobotModel:
         tolerance: angles [rad] this close to a multiple of 15 degrees are taken for it (of a whole degree: a thousandth of
             this), lengths below a tenth of it in reaches of the arm for zero. A calibrated robot has its nominal form at
             about 0.01; how far that is from the numbers, `ks.singularities` says (`residual`).
+        angles: what becomes of those that are no such multiples. "kept": formulas hold their cosines and sines, as of any
+            constant angle. "fractions": rotations become rotations of fractions, within 1e-14 of those given. A calibrated
+            arm has a determinant of a few hundred terms then, where its many constant angles would make it millions.
 
     Returns:
         RobotModel of SymPy numbers. Its links, joints, limits and order are the same.
 
     Raises:
-        ConfigurationError: KS353, where the tolerance is no positive number below 0.1.
+        ConfigurationError: KS353, where the tolerance is no positive number below 0.1; KS303 for other `angles`.
         MissingExtraError: KS400.
 
     Law: pose(exact(arm), q) = pose(arm, q) within the tolerance; exactly orthonormal rotations.
@@ -99,7 +107,10 @@ def exact(model: RobotModel, tolerance: float = 1e-5) -> RobotModel:
         return model
     if not 0 < tolerance < 0.1:
         raise ConfigurationError("KS353", f"tolerance is {tolerance!r}", "a small positive number, in rad and relative")
-    reader = _Reader(tolerance, characteristic_length(model) if model.tip is not None else 1.0)
+    if angles not in (KEPT, FRACTIONS):
+        raise ConfigurationError("KS303", f"angles is {angles!r}", f"{KEPT!r} or {FRACTIONS!r}")
+    size = characteristic_length(model) if model.tip is not None else 1.0
+    reader = (_Fractions if angles == FRACTIONS else _Reader)(tolerance, size)
     pairs = zip(model.offsets, model.screws, strict=True)
     offsets = [reader.angle(x) if np.any(screw[ANGULAR]) else reader.length(x) for x, screw in pairs]
     arrays = {
@@ -202,10 +213,74 @@ class _Reader:
         return _array(found, (-1, 6))
 
 
+class _Fractions(_Reader):
+    """Numbers within a tolerance; rotations that are general become those of fractions."""
+
+    def angle(self, value: Any) -> Any:
+        import sympy
+
+        angle = super().angle(value)
+        if angle == 0 or angle.has(sympy.pi):
+            return angle
+        return 2 * sympy.atan(_near(math.tan(math.remainder(float(value), 2 * math.pi) / 2)))
+
+    def rotation(self, R: Array) -> list[list[Any]]:
+        import sympy
+
+        whole: Array = np.round(R)
+        if np.abs(R - whole).max() <= self.tolerance:
+            return [[sympy.Integer(int(x)) for x in row] for row in whole]
+        quaternion = np.linalg.eigh(_quaternion_form(R))[1][:, -1]
+        largest = quaternion[np.abs(quaternion).argmax()]
+        small = np.abs(quaternion / largest) <= self.tolerance / 2
+        w, x, y, z = (sympy.Integer(0) if s else _near(c / largest) for s, c in zip(small, quaternion, strict=True))
+        square = w * w + x * x + y * y + z * z
+        rows = [
+            [w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z],
+        ]
+        return [[x / square for x in row] for row in rows]
+
+    def direction(self, w: Array) -> list[Any]:
+        """By its stereographic picture, seen from the pole that is farthest."""
+        import sympy
+
+        k = int(np.abs(w).argmax())
+        sign = 1 if w[k] > 0 else -1
+        flat = [
+            sympy.Integer(0) if i == k or abs(x) <= self.tolerance else _near(sign * x / (1.0 + abs(w[k])))
+            for i, x in enumerate(w)
+        ]
+        square = sum(x * x for x in flat)
+        return [sign * (1 - square if i == k else 2 * x) / (1 + square) for i, x in enumerate(flat)]
+
+
+def _near(value: float) -> Any:
+    """A fraction within 1e-16 of a number, or of its size."""
+    import sympy
+
+    ratio = Fraction(value).limit_denominator(_DENOMINATOR)
+    return sympy.Rational(ratio.numerator, ratio.denominator)
+
+
+def _quaternion_form(R: Array) -> Array:
+    """(4, 4) the symmetric form that is greatest for the quaternion (w, x, y, z) of a rotation."""
+    v = np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
+    form = np.empty((4, 4))
+    form[0, 0], form[0, 1:], form[1:, 0] = np.trace(R), v, v
+    form[1:, 1:] = R + R.T - np.trace(R) * np.eye(3)
+    return form
+
+
 def cosine_sine(angle: Any) -> tuple[Any, Any]:
     """Cosine and sine; nested roots, such as those of 36 degrees, stay as they are written."""
     import sympy
 
+    half = angle / 2
+    if isinstance(half, sympy.atan) and half.args[0].is_Rational:
+        t = half.args[0]
+        return (1 - t * t) / (1 + t * t), 2 * t / (1 + t * t)
     cosine, sine = sympy.cos(angle), sympy.sin(angle)
     plain = all(x.is_rational or all(p.base.is_Integer for p in x.atoms(sympy.Pow)) for x in (cosine, sine))
     if plain and not cosine.has(sympy.cos, sympy.sin):

@@ -13,7 +13,6 @@ from ..namespaces import Array
 from .halfangle import HalfAngleRing
 from .ring import Polynomial, flint
 
-_MANY = 400
 _NOTHING = 1e-15
 """Waves this small beside the largest are the rounding of floats."""
 
@@ -40,34 +39,25 @@ class WaveFunction:
             half: its ring.
             values: numbers for its symbols.
         """
-        import sympy
-
         ring, n = half.ring, len(half.ring.joints)
-        m, turning = len(ring.angles), [j for j, turns in enumerate(ring.turns) if turns]
-        constants = [float(x.subs(values)) for x in ring.constants]
-        numbers = [float(values[x]) for x in ring.parameters] + [float(sympy.sqrt(p)) for p in ring.roots]
-        first = 2 * m + len(ring.slides)
-        if len(F) > _MANY:  # numbers first: fewer terms to go through
-            F, numbers = _at_numbers(F, first, numbers), [1.0] * len(numbers)
-        exponents, coefficients = _terms(F)
-        size = coefficients * np.prod(np.array(numbers) ** exponents[:, first:], axis=1)
-        degrees = half.degrees(F)
+        turning, first = [j for j, turns in enumerate(ring.turns) if turns], 2 * len(ring.angles)
+        if (whole := half.origin(F)) is not None:  # far fewer terms, of which fewer yet are left with numbers in
+            F = half.lifted(_at_numbers(whole, half, values))
+        degrees = half.degrees(F)[: len(turning)]
         found: dict[tuple[int, ...], Array] = {}
-        for powers in {tuple(row) for row in exponents[:, 2 * m : first].tolist()}:
-            chosen = np.all(exponents[:, 2 * m : first] == powers, axis=1)
-            found[powers] = _spectrum(exponents[chosen, : 2 * m], size[chosen], degrees)
+        for powers, exponents, size in _by_slides(F, first, len(ring.slides), _numbers_of(half, values)):
+            found[powers] = _spectrum(exponents[:, : 2 * len(turning)], size, degrees)
         frequencies, monomials, amplitudes = [], [], []
         for powers, tensor in found.items():
-            for index in np.argwhere(tensor != 0):
-                k = 2 * index - np.array(degrees) if m else index
-                frequency, monomial = np.zeros(n), np.zeros(n, dtype=int)
-                frequency[turning] = k[: len(turning)] / 2.0
-                monomial[list(ring.slides)] = powers
-                shift = float(np.dot(k[len(turning) :] / 2.0, constants)) if constants else 0.0
-                frequencies.append(frequency)
-                monomials.append(monomial)
-                amplitudes.append(tensor[tuple(index)] * np.exp(1j * shift))
-        return _gathered(np.array(frequencies).reshape(-1, n), np.array(monomials).reshape(-1, n), np.array(amplitudes))
+            places = np.argwhere(tensor != 0)
+            frequency, monomial = np.zeros((len(places), n)), np.zeros((len(places), n), dtype=int)
+            if turning:
+                frequency[:, turning] = places - np.array(degrees) / 2.0
+            monomial[:, list(ring.slides)] = powers
+            frequencies.append(frequency)
+            monomials.append(monomial)
+            amplitudes.append(tensor[tensor != 0])
+        return _gathered(np.concatenate(frequencies), np.concatenate(monomials), np.concatenate(amplitudes))
 
     @cached_property
     def joints(self) -> tuple[int, ...]:
@@ -135,28 +125,59 @@ class WaveFunction:
         return np.einsum("m,mi,mj->ij", size, K, K)
 
 
-def _at_numbers(F: Polynomial, first: int, numbers: list[float]) -> Polynomial:
-    """The polynomial with numbers for its last generators, exactly those of the floats."""
-    context = F.context()
-    values = list(context.gens())
-    for k, x in enumerate(numbers):
-        values[first + k] = context.constant(flint().fmpq(*x.as_integer_ratio()))
-    return F.compose(*values, ctx=context)
+def _at_numbers(p: Polynomial, half: HalfAngleRing, values: Mapping[Any, float]) -> Polynomial:
+    """A polynomial in whole angles with numbers for all that is no joint, exactly those of the floats."""
+    ring, numbers = half.ring, _numbers_of(half, values)
+    context, generators = p.context(), list(p.context().gens())
+    for a, x in enumerate(ring.constants, start=sum(ring.turns)):
+        angle = float(x.subs(values))
+        generators[ring.angles[a].cosine] = _fraction(context, np.cos(angle))
+        generators[ring.angles[a].sine] = _fraction(context, np.sin(angle))
+    first = len(ring.parameters) + len(ring.roots)
+    for k, x in enumerate(numbers[len(numbers) - first :]):
+        generators[ring.parameter_place(k)] = _fraction(context, x)
+    return p.compose(*generators, ctx=context)
 
 
-def _terms(F: Polynomial) -> tuple[Array, Array]:
-    """Exponents (k, generators) and coefficients (k)."""
-    terms = F.to_dict()
-    exponents = np.array([[int(e) for e in key] for key in terms], dtype=int).reshape(len(terms), -1)
-    return exponents, np.array([int(c.p) / int(c.q) for c in terms.values()])
+def _fraction(context: Any, x: Any) -> Polynomial:
+    return context.constant(flint().fmpq(*float(x).as_integer_ratio()))
+
+
+def _numbers_of(half: HalfAngleRing, values: Mapping[Any, float]) -> Array:
+    """(g) numbers for the generators that are no joints, 1 for those that are."""
+    ring = half.ring
+    found = np.ones(len(half.context.names()), dtype=np.longdouble)
+    for a, x in enumerate(ring.constants, start=sum(ring.turns)):
+        angle = np.longdouble(float(x.subs(values))) / 2
+        found[2 * a], found[2 * a + 1] = np.sin(angle), np.cos(angle)
+    first = 2 * len(ring.angles) + len(ring.slides)
+    numbers = [values[x] for x in ring.parameters] + [np.sqrt(np.longdouble(p)) for p in ring.roots]
+    found[first : first + len(numbers)] = numbers
+    return found
+
+
+def _by_slides(F: Polynomial, first: int, slides: int, numbers: Array) -> list[tuple[tuple[int, ...], Array, Array]]:
+    """Terms by powers of the joints that slide: these, exponents (k, generators) and coefficients (k) with numbers in."""
+    exponents = np.array([[int(e) for e in key] for key in F.monoms()], dtype=int).reshape(len(F), -1)
+    size = np.array([int(c.p) / int(c.q) for c in F.coeffs()], dtype=np.longdouble)
+    for place in np.flatnonzero(numbers != 1):
+        size = size * numbers[place] ** exponents[:, place]
+    powers = exponents[:, first : first + slides]
+    found = []
+    for own in sorted({tuple(row) for row in powers.tolist()}) or [()]:
+        chosen = np.all(powers == own, axis=1)
+        found.append((own, exponents[chosen], size[chosen]))
+    return found
 
 
 def _spectrum(exponents: Array, coefficients: Array, degrees: tuple[int, ...]) -> Array:
     """Coefficients of e^(i k x / 2), k = -degree, -degree + 2, ..., along an axis for each angle."""
     if not degrees:  # joints that slide, and no angle
         return np.array(coefficients.sum(), dtype=complex)
-    tensor = np.zeros([d + 1 for d in degrees], dtype=complex)
-    np.add.at(tensor, tuple(exponents[:, 2 * a] for a in range(len(degrees))), coefficients)
+    shape = [d + 1 for d in degrees]
+    sums = np.zeros(shape, dtype=np.longdouble)
+    np.add.at(sums, tuple(exponents[:, 2 * a] for a in range(len(degrees))), coefficients)
+    tensor = sums.astype(complex)
     for a, degree in enumerate(degrees):
         if degree:
             tensor = np.moveaxis(np.tensordot(_waves_of_powers(degree), tensor, (1, a)), 0, a)
@@ -181,7 +202,7 @@ def _gathered(frequencies: Array, powers: Array, amplitudes: Array) -> WaveFunct
     n = frequencies.shape[1]
     lead = np.array([next((x for x in row if x), 0.0) for row in frequencies])
     sign = np.where(lead < 0, -1.0, 1.0)
-    keys = np.concatenate([frequencies * sign[:, None], powers], axis=1)
+    keys = np.concatenate([frequencies * sign[:, None] + 0.0, powers], axis=1)  # no -0
     unique, place = np.unique(keys, axis=0, return_inverse=True)
     cosines, sines = np.zeros(len(unique)), np.zeros(len(unique))
     np.add.at(cosines, place.ravel(), amplitudes.real)

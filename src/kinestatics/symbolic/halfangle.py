@@ -19,6 +19,7 @@ from .ring import Exponents, Polynomial, TrigonometricRing, flint
 
 _LARGE = 4000  # terms from which on it is worth looking at numbers first
 _PRIMES = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59, 61, 67, 71, 73, 79, 83, 89)
+_BITS = 400  # of numbers that floats hold with room for products
 Frequencies = tuple[int, ...]
 """One whole number for every angle, in half angles: (2, -1) is x1 - x2/2."""
 Waves = dict[Frequencies, dict[Exponents, tuple[Fraction, Fraction]]]
@@ -107,7 +108,9 @@ class HalfAngleRing:
             if factor in self.circles:
                 continue
             if self.joints_of(factor):
-                kept.append((factor, int(times)))
+                size = _beyond_floats(factor)
+                constant *= self.context.constant(size) ** int(times)
+                kept.append((factor / size, int(times)))
             else:
                 constant *= factor ** int(times)
         return constant, kept
@@ -135,10 +138,14 @@ class HalfAngleRing:
         """The polynomial in whole angles, in canonical form; None where the degree in a pair is odd."""
         if any(degree % 2 for degree in self.degrees(F)):
             return None
-        known = self._origins.get(len(F))
-        if known is not None and known[0] == F:
-            return known[1]
+        if (known := self.origin(F)) is not None:
+            return known
         return next((p for _, p in self.in_whole_angles(F)), self.ring.zero)
+
+    def origin(self, F: Polynomial) -> Polynomial | None:
+        """What a large polynomial was lifted from, where that is known."""
+        known = self._origins.get(len(F))
+        return known[1] if known is not None and known[0] == F else None
 
     def in_whole_angles(self, F: Polynomial) -> list[tuple[tuple[int, ...], Polynomial]]:
         """Polynomials in whole angles, each with what it is to be multiplied by: for every angle 1, or t (1) or u (2)."""
@@ -190,6 +197,12 @@ class HalfAngleRing:
         for key, (x, y) in state.items():
             found.setdefault(key[0 : 2 * n : 2], {})[key[2 * n :]] = (_fraction(x), _fraction(y))
         return _real(found)
+
+
+def _beyond_floats(F: Polynomial) -> Any:
+    """The largest coefficient of a polynomial whose numbers, without a common factor, are beyond floats; else 1."""
+    largest = max(map(abs, F.coeffs()))
+    return largest if int(largest.p).bit_length() > _BITS else flint().fmpq(1)
 
 
 @cache

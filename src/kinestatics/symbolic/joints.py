@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 from ..errors import ConfigurationError
 from ..model import RobotModel
 from ..spatial import ANGULAR, LINEAR
+from .exact import cosine_sine
 from .poses import Pose, Vector, identity, product
 from .ring import Polynomial, TrigonometricRing
 
@@ -86,9 +87,7 @@ def motion(ring: TrigonometricRing, joint: Joint) -> Pose:
         return Pose(still.R, [ring.reduced(x * q) for x in joint.direction])
     c, s = ring.multiple(ring.angle_of(joint.column), int(joint.multiplier))
     if joint.offset != 0:
-        import sympy
-
-        c0, s0 = ring.read(sympy.cos(joint.offset)), ring.read(sympy.sin(joint.offset))
+        c0, s0 = (ring.read(x) for x in cosine_sine(joint.offset))
         c, s = ring.reduced(c * c0 - s * s0), ring.reduced(s * c0 + c * s0)
     zero, one = ring.zero, ring.one
     x, y, z = joint.direction

@@ -11,7 +11,7 @@ from ..errors import ConfigurationError
 from ..frames import Frame
 from ..model import RobotModel
 from ..spatial import ANGULAR_ROWS, LINEAR_ROWS, ROW_NAMES
-from .exact import free_symbols, joint_symbols
+from .exact import cosine_sine, free_symbols, joint_symbols
 from .joints import AXIS, Joint, LengthNames, axis_frame, axis_of, carried, carried_pose, motion, whole_ratio
 from .poses import Pose, Vector, compose, crossed, identity, inverse, read_pose, transposed, turned
 from .ring import Matrix, Polynomial, TrigonometricRing, atoms_of, expanded
@@ -217,11 +217,10 @@ class _Description:
 
     def ring(self, entries: Iterable[Any], symbols: Iterable[Any]) -> TrigonometricRing:
         """The ring that holds them, further expressions, and further symbols as parameters."""
-        import sympy
 
         poses = (*self.placements.values(), *self.places.values(), *self.frames.values())
         found = [x for T in poses for row in T for x in row]
-        found += [x if axis_of(self.screws[i])[1] else sympy.cos(x) for i, x in self.offsets.items()]
+        found += [x if axis_of(self.screws[i])[1] else cosine_sine(x)[0] for i, x in self.offsets.items()]
         found += expanded(objects(entries))
         constants, parameters, roots = atoms_of(found)
         extra = tuple(x for x in symbols if x not in parameters)

@@ -16,6 +16,7 @@ from .ring import Matrix, Polynomial, TrigonometricRing
 from .wave_tables import Key, Table, merged, size_of, with_multiples, with_sines, worth
 
 _LOOKED_AT = 5
+_BITS = 200  # of a denominator that no product of decimals has
 Term = tuple[Fraction, dict[int, int]]
 """A coefficient, and the powers of factors by their number."""
 
@@ -52,7 +53,7 @@ class Writer:
         return _nested(terms, list(atoms))
 
     def _table(self, p: Polynomial) -> tuple[list[int], Table]:
-        terms = {tuple(map(int, e)): Fraction(int(c.p), int(c.q)) for e, c in p.to_dict().items()}
+        terms = {tuple(map(int, e)): _readable(Fraction(int(c.p), int(c.q))) for e, c in p.to_dict().items()}
         pairs = [(angle.cosine, angle.sine) for angle in self.ring.angles]
         present = [a for a, (c, s) in enumerate(pairs) if any(e[c] or e[s] for e in terms)]
         table = {}
@@ -161,6 +162,11 @@ def _common(terms: list[Term]) -> dict[int, int]:
 
 def _without(factors: dict[int, int], common: dict[int, int]) -> dict[int, int]:
     return {x: e - common.get(x, 0) for x, e in factors.items() if e > common.get(x, 0)}
+
+
+def _readable(x: Fraction) -> Fraction:
+    """A number with at most 17 digits where it has so many that they come from rotations of fractions."""
+    return Fraction(f"{float(x):.17g}") if x.denominator.bit_length() > _BITS else x
 
 
 def content(values: list[Fraction]) -> Fraction:
