@@ -1,5 +1,5 @@
-"""Judges of singular sets that do not read their formulas: NumPy's determinants, descents on the least singular value,
-and shortest ways found from many starts. All of them take many postures at once.
+"""Judges of singular sets: NumPy's determinants and minima of the least singular value, which read no formula, and shortest
+ways to the zeros of a component's equations, from many starts. All of them take many postures at once.
 """
 
 from __future__ import annotations
@@ -30,7 +30,8 @@ class Found:
     Attributes:
         determinant: largest difference from NumPy's, in shares of the largest value; None where J is not square.
         formula: the same for the file's formula.
-        unsound: points of components where rank is kept; worst: the largest relative singular value that should be zero.
+        points: of components, and nearest ones; unsound: those where rank is kept.
+        worst: the largest relative singular value of component points that should be zero.
         minima: polished minima of σ_min; missed: those further than 1e-6 from every component; apart: the furthest.
         longer: distances of ours that are longer than the shortest way found; shorter: shorter ones (the judge's fault).
         over: lower bounds above it; unfound: components without a distance; gap: the largest difference.
@@ -238,6 +239,11 @@ def judge_distances(result: Found, found: SingularSet, count: int, starts: int, 
     for component in found.components:
         if component.others:
             continue
+        nearest = [d[id(component)].nearest for d in ours if d[id(component)].nearest is not None]
+        if nearest:
+            lost = spectrum(found.model, np.array(nearest), found.task, found.link)[:, found.task.rank - 1]
+            result.points += len(nearest)
+            result.unsound += int((lost > 1e-9).sum())
         for posture, known, best in zip(q, ours, shortest(component, q, starts, seed), strict=True):
             d = known[id(component)]
             gap = d.value - best if np.isfinite(d.value) else np.inf

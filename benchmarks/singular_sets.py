@@ -2,7 +2,7 @@
 
 Times are CPU time of this process, medians of three warm runs with SymPy's cache cleared before each; the command line is a
 process of its own. `--proof` puts every robot of tests/golden/singular_robots.json, and redundant arms besides, before the
-judges of `singular_proofs.py`, which do not read formulas. Seeds are fixed.
+judges of `singular_proofs.py`. Seeds are fixed.
 """
 
 from __future__ import annotations
@@ -179,7 +179,7 @@ def proofs() -> list[str]:
     """The table of the judges, a line for each arm."""
     lines = [
         "| robot | det: off NumPy's | file's formula | components | points that keep rank | minima missed, furthest "
-        "| distances: longer, largest gap | bounds above | ms a posture |",
+        "| distances: longer and shorter, largest gap | bounds above | ms a posture |",
         "|---|---|---|---|---|---|---|---|---|",
     ]
     for name, robot in ROBOTS.items():
@@ -205,11 +205,11 @@ def proofs() -> list[str]:
 
 def _judged(name: str, r: Found, found: Any) -> str:
     det, formula = (("-" if x is None else f"{x:.1e}") for x in (r.determinant, r.formula))
-    some = f"{r.longer + r.shorter} of {r.asked}" if r.asked else "-"
+    some = f"{r.longer} and {r.shorter} of {r.asked}, {r.gap:.0e}" if r.asked else "-"
     complete = "" if found.complete else ", time ran out"
     return (
         f"| {name} | {det} | {formula} | {len(found.components)}{complete} | {r.unsound} of {r.points} ({r.worst:.0e}) "
-        f"| {r.missed} of {r.minima}, {r.apart:.0e} | {some}, {r.gap:.0e} | {r.over} | {1e3 * r.seconds:.1f} |"
+        f"| {r.missed} of {r.minima}, {r.apart:.0e} | {some} | {r.over} | {1e3 * r.seconds:.1f} |"
     )
 
 

@@ -83,7 +83,7 @@ def test_a_neck_that_a_coarse_grid_does_not_see():
 
 @pytest.mark.parametrize("name", ["puma_560", "irb_140"])
 def test_aspects_of_arms_whose_wrist_is_a_factor(name):
-    """Regions of (q2, q3) by flood fill, times the two signs of q5 within its limits; one of the IRB 140 is 0.005 rad small."""
+    """Regions of (q2, q3) by flood fill, times the two signs of q5; one of the IRB 140's is 0.005 rad small."""
     arm = ks.load(name)
     found = singularities(arm)
     q = np.zeros((1200, 1200, 6))
@@ -97,7 +97,7 @@ def test_two_turns_of_a_ur5e_give_32():
     """q3 and q5 pass four half turns each; in each of the halves of q3 the shoulder has one region of each sign."""
     arm = ks.load("ur5e")
     found = singularities(arm)
-    aspects = found.aspects(60, limits=True)
+    aspects = found.aspects(40, limits=True)
     x = -2 * np.pi + (np.arange(96) + 0.5) * 4 * np.pi / 96
     q2, q3, q4 = np.meshgrid(x, np.pi * (np.arange(24) + 0.5) / 24, x, indexing="ij")
     q = np.zeros((*q2.shape, 6))
@@ -146,11 +146,11 @@ def test_a_slide_in_a_factor_of_several_joints():
     )
     arm = replace(arm, lower=np.array([-1.0, -2.5, -0.8]), upper=np.array([1.0, 2.9, 0.9]))
     found = singularities(arm, "position")
-    q = np.zeros((700, 700, 3))
-    q[..., 1:] = grid(arm.lower[1:], arm.upper[1:], (700, 700))
+    q = np.zeros((400, 400, 3))
+    q[..., 1:] = grid(arm.lower[1:], arm.upper[1:], (400, 400))
     count = flood(*(product(equation, q) for equation, _ in found.factors if equation.real is not False))
     assert count > 1
-    assert [found.aspects(200, seed, limits=True).count for seed in (0, 1)] == [count, count]
+    assert found.aspects(150, limits=True).count == count
 
 
 def test_a_way_that_keeps_its_sign_does():
@@ -202,7 +202,7 @@ def test_numbers_do_not_hang_on_lengths():
     """Elbow arms of random lengths: with an offset wrist centre there are 4 regions of (q2, q3), times 2 of the wrist."""
     rng = np.random.default_rng(5)
     half = np.pi / 2
-    for a2, a3, d4 in rng.uniform(0.2, 0.8, (3, 3)):
+    for a2, a3, d4 in rng.uniform(0.2, 0.8, (2, 3)):
         rows = [(0, -half, 0.0, 0), (a2, 0, 0.15, 0), (a3, -half, 0, 0), (0, half, d4, 0), (0, -half, 0, 0), (0, 0, 0.1, 0)]
         found = singularities(ks.from_dh(rows, convention="standard"))
         assert found.aspects(200).count == 8

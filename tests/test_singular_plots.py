@@ -84,8 +84,8 @@ def test_regions_within_two_turns_repeat(ur5e):
 
 def test_distances_are_those_of_the_postures(puma):
     """Lines are `distance` in degrees, in the order of the components; bands go down to the proved bounds."""
-    path = np.linspace([0.0, 0.5, -1.0, 0.3, 0.6, 0.0], [0.0, 0.2, -0.4, 0.3, -0.2, 0.0], 4)
-    times = [0.0, 0.5, 1.0, 2.0]
+    path = np.linspace([0.0, 0.5, -1.0, 0.3, 0.6, 0.0], [0.0, 0.2, -0.4, 0.3, -0.2, 0.0], 3)
+    times = [0.0, 0.5, 2.0]
     ax = plots.singular_distances(puma, path, times=times)
     assert key(ax) == ["shoulder", "elbow", "wrist"]
     assert ax.get_xlabel() == "time [s]"
@@ -96,12 +96,12 @@ def test_distances_are_those_of_the_postures(puma):
         rim = band.get_paths()[0].vertices
         assert rim[:, 1].min() == pytest.approx(np.degrees(min(d.at_least for d in own)), rel=1e-9, abs=1e-9)
     assert settled(ax)
-    assert not plots.singular_distances(puma, path[:2], bounds=False).collections
+    assert not plots.singular_distances(puma, path[:1], bounds=False).collections
     for bad, code in ((path[0], "KS384"), (path[:, :5], "KS384"), (path * np.nan, "KS384")):
         with pytest.raises(ks.ConfigurationError, match=code):
             plots.singular_distances(puma, bad)
     with pytest.raises(ks.ConfigurationError, match="KS385"):
-        plots.singular_distances(puma, path, times=[0, 1, 1, 2])
+        plots.singular_distances(puma, path, times=[0, 1, 1])
     with pytest.raises(ks.ArrayTypeError, match="KS302"):
         plots.singular_distances(puma.model, path)
 
@@ -109,7 +109,7 @@ def test_distances_are_those_of_the_postures(puma):
 @pytest.mark.parametrize("name", ["puma_560", "planar_3r"])
 def test_sections_are_drawn_by_what_ends_them(name):
     """All pieces of the outline are drawn once, in the colour of their kind; the key says which there are."""
-    section = ks.singularities(ks.load(name), "position").workspace_section(cells=24, image=60)
+    section = ks.singularities(ks.load(name), "position").workspace_section(cells=16, image=60)
     ax = plots.workspace_section(section)
     words = {"barrier": "singular: a barrier", "limit": "at a joint limit"}
     assert {words[kind] for kind in set(section.kinds) - {"axis"}} <= set(key(ax))

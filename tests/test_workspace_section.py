@@ -1,13 +1,13 @@
 """Sections of the workspace: nothing outside, every point reached, the conditions of a boundary, known radii, voids."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
 
 import kinestatics as ks
 from kinestatics.singular_sets import singularities
-from kinestatics.singular_sets.chart import Chart
 from kinestatics.singular_sets.second_order import second_order
 
 
@@ -38,17 +38,22 @@ def off(section, places):
     return best
 
 
-def section_and_heights(name, task="position", **options):
+@cache
+def of_position(name):
+    return singularities(ks.load(name), "position")
+
+
+def section_and_heights(name, **options):
     """A section, and by how much its heights start above base."""
-    found = singularities(ks.load(name), task)
-    chart = Chart.of(found.model, found.link, True, True)
-    return found, found.workspace_section(**options), np.array([0.0, chart.origin[2]])
+    found = of_position(name)
+    section = found.workspace_section(**options)
+    return found, section, np.array([0.0, section.origin[2]])
 
 
-@pytest.mark.parametrize(("name", "tolerance"), [("elbow_rrr", 1e-6), ("puma_560", 1e-6), ("iiwa_14", 1e-5)])
+@pytest.mark.parametrize(("name", "tolerance"), [("elbow_rrr", 1e-5), ("puma_560", 1e-6), ("iiwa_14", 1e-4)])
 def test_no_random_posture_is_outside_and_all_of_the_outline_is_near_one(name, tolerance):
     """200,000 postures by forward kinematics: none is beyond the pieces by more than the tolerance, some near to all."""
-    found, section, above = section_and_heights(name, cells=32, tolerance=tolerance, image=0)
+    found, section, above = section_and_heights(name, cells=24, tolerance=tolerance, image=0)
     assert section.settled
     q = found.model.random_configurations(200_000, seed=11)
     places = seen(found.model, q) - above
@@ -65,7 +70,7 @@ def test_no_random_posture_is_outside_and_all_of_the_outline_is_near_one(name, t
 @pytest.mark.parametrize("name", ["puma_560", "ur5e"])
 def test_points_are_reached_and_cannot_be_passed(name):
     """Forward kinematics gives the points; u · dw <= 0 within the limits; off them the posture is singular and a barrier."""
-    found, section, above = section_and_heights(name, cells=32, image=0)
+    found, section, above = section_and_heights(name, cells=16, image=0, tolerance=1e-4)
     arm, seen_kinds = found.model, set()
     for outline in section.outlines:
         kept = np.array(outline.kinds) != "axis"
@@ -73,6 +78,7 @@ def test_points_are_reached_and_cannot_be_passed(name):
         kinds = np.array(outline.kinds)[kept]
         seen_kinds |= set(kinds.tolist())
         np.testing.assert_allclose(seen(arm, q) - above, points, atol=1e-12)
+        np.testing.assert_allclose(section.place(q), points, atol=1e-12)
         assert np.all((q >= arm.lower - 1e-12) & (q <= arm.upper + 1e-12))
         p, J = ks.pose(arm, q).array[:, :3, 3], ks.jacobian(arm, q).linear
         out = np.concatenate([p[:, :2] / np.hypot(p[:, 0], p[:, 1])[:, None], np.zeros((len(p), 1))], 1)
@@ -90,7 +96,7 @@ def test_points_are_reached_and_cannot_be_passed(name):
 def test_radii_that_are_known():
     """Sums and differences of lengths: the elbow arm, the PUMA's shoulder offset, the UR5e's d4 - d6, the iiwa's reach."""
     _, elbow, _ = section_and_heights("elbow_rrr", cells=24, image=0)
-    lengths = singularities(ks.load("elbow_rrr"), "position").lengths
+    lengths = of_position("elbow_rrr").lengths
     a2, a3 = (float(v) for k, v in lengths.items() if str(k) in ("a2", "a3"))
     assert elbow.points.max(0) == pytest.approx([a2 + a3, a2 + a3], abs=2e-5)
     radii = np.linalg.norm(elbow.points, axis=-1)
@@ -105,7 +111,7 @@ def test_radii_that_are_known():
 def test_a_planar_arm_has_its_plane_and_its_void():
     """Lengths 1 and 0.4: an annulus from 0.6 to 1.4, its inner rim an outline of its own; with limits a sickle."""
     arm = ks.from_dh([(1.0, 0, 0, 0), (0.4, 0, 0, 0)], convention="standard")
-    section = singularities(arm, ("vx", "vy")).workspace_section(cells=32)
+    section = singularities(arm, ("vx", "vy")).workspace_section(cells=24, tolerance=1e-4)
     assert section.axes == ("x", "y")
     assert [outline.encloses for outline in section.outlines] == [True, False]
     for outline, radius in zip(section.outlines, (1.4, 0.6), strict=True):
@@ -115,12 +121,12 @@ def test_a_planar_arm_has_its_plane_and_its_void():
     assert set(image.kinds) == {"barrier"}
     np.testing.assert_array_equal(section.covers([[0.0, 0.0], [1.0, 0.0], [0.0, 1.5]]), [False, True, False])
     bent = replace(arm, lower=np.array([-1.0, 0.2]), upper=np.array([1.2, 2.0]))
-    section = singularities(bent, ("vx", "vy")).workspace_section(cells=32)
+    section = singularities(bent, ("vx", "vy")).workspace_section(cells=24, tolerance=1e-4)
     (outline,) = section.outlines
     assert set(outline.kinds) == {"limit"}
     x = outline.points
     area = 0.5 * abs(float((x[:, 0] * np.roll(x[:, 1], -1) - x[:, 1] * np.roll(x[:, 0], -1)).sum()))
-    assert area == pytest.approx(2.2 * 1.0 * 0.4 * (np.cos(0.2) - np.cos(2.0)), abs=1e-4)  # ∫ |det J| dq, one to one
+    assert area == pytest.approx(2.2 * 1.0 * 0.4 * (np.cos(0.2) - np.cos(2.0)), abs=1e-3)  # ∫ |det J| dq, one to one
 
 
 def test_kinds_of_images_are_those_of_the_second_order():
@@ -139,7 +145,7 @@ def test_kinds_of_images_are_those_of_the_second_order():
 
 def test_words_data_time_and_mistakes():
     """A section prints, is plain data, says when it was cut short; what has no section is told."""
-    found = singularities(ks.load("elbow_rrr"), "position")
+    found = of_position("elbow_rrr")
     section = found.workspace_section(cells=16, image=20)
     assert "outline: radius 0 to 0.85 m" in str(section)
     assert max(len(line) for line in str(section).splitlines()) <= 80

@@ -6,6 +6,7 @@ from hypothesis import given, settings, strategies as st
 
 import kinestatics as ks
 from kinestatics.singular_sets.components import spectrum
+from kinestatics.spatial import ANGULAR_ROWS
 from kinestatics.symbolic.chain import ExactChain, determinant
 from kinestatics.symbolic.functions import WaveFunction
 from kinestatics.symbolic.halfangle import HalfAngleRing
@@ -71,11 +72,16 @@ def descended(arm, task, q):
     """A posture with a least singular value of rounding, by descent; None where the descent ends elsewhere."""
     optimize = pytest.importorskip("scipy.optimize", reason="a judge of the dev extra")
 
+    size = ks.characteristic_length(arm)
+    weights = np.array([[size if row in ANGULAR_ROWS else 1.0] for row in task.rows])
+
     def least(x):
-        return float(spectrum(arm, x, task, "tip")[task.rank - 1]) ** 2
+        J = ks.jacobian(arm, x, check_finite=False).array[list(task.rows)]
+        return float(np.linalg.svd(weights * J, compute_uv=False)[task.rank - 1] / size) ** 2
 
     result = optimize.minimize(least, q, method="Nelder-Mead", options={"xatol": 1e-9, "fatol": 1e-20, "maxiter": 4000})
-    return result.x if np.abs(result.x).max() < 5 and result.fun < 1e-15 else None
+    singular = float(spectrum(arm, result.x, task, "tip")[task.rank - 1]) ** 2 < 1e-15
+    return result.x if np.abs(result.x).max() < 5 and singular else None
 
 
 @settings(max_examples=25)

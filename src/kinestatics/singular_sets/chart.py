@@ -112,8 +112,7 @@ class Chart:
             better = new < cost[going]
             y[going[better]], cost[going[better]] = trial[better], new[better]
             share[going] = np.where(better, np.minimum(3.0 * share[going], 1.0), 0.3 * share[going])
-            flat = np.linalg.norm(np.where(held, 0.0, g), axis=-1) <= _FLAT
-            going = going[~flat]
+            going = going[np.abs((np.where(held, 0.0, g) * step).sum(-1)) > _FLAT * cost[going]]
         return y, np.sqrt(2 * cost)
 
     @staticmethod

@@ -17,23 +17,14 @@ from ..namespaces import Array
 from ..progress import Job
 from .chart import ARRIVED, Chart
 
-_RANDOM, _KEPT = 60000, 12
-_STARTS = 8
+RANDOM, _KEPT = 60000, 12
+STARTS = 8
 _PAD = 2
 _ROUNDS, _REPAIRS, _MISSED = 30, 5, 8
 _HALVINGS = 3
 _CORNER = 2e-5  # in reaches: pieces are no shorter than that
 _SAME, _AT_AXIS = 1e-8, 1e-7
 _NEAR = np.array([(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != (0, 0)])
-
-
-def _few_of_each(cells: Array) -> Array:
-    """Places of at most so many in each cell."""
-    order = np.lexsort(cells.T)
-    new = np.r_[True, np.any(np.diff(cells[order], axis=0) != 0, axis=1)]
-    begin = np.flatnonzero(new)
-    rank = np.arange(len(order)) - np.repeat(begin, np.diff(np.r_[begin, len(order)]))
-    return np.asarray(order[rank < _KEPT])
 
 
 class Loop(NamedTuple):
@@ -43,110 +34,6 @@ class Loop(NamedTuple):
     normals: Array
     postures: Array
     on_axis: Array
-
-
-@dataclass
-class Grid:
-    """Nodes of a square grid: what is known of each.
-
-    Attributes:
-        chart: the map; corner: (2) of node (0, 0); step: between nodes; inside: (a, b) whether nodes are reached.
-        pool: (k, n) postures, and places: (k, 2) where their tips are.
-    """
-
-    chart: Chart
-    corner: Array
-    step: float
-    inside: Array
-    pool: Array
-    places: Array
-
-    @classmethod
-    def of(cls, chart: Chart, cells: int, rng: Any) -> Grid:
-        """A grid with so many cells along the longer side of what random postures reach."""
-        pool = chart.random(_RANDOM, rng)
-        places = chart.place(pool)
-        low, high = places.min(0), places.max(0)
-        step = float((high - low).max()) / cells
-        corner = low - _PAD * step
-        if chart.around:
-            corner[0] = -0.5 * step  # nodes half a step beyond the axis: the outline may end there
-            if low[0] > step:
-                corner[0] += step * np.floor(low[0] / step - 0.5)
-        sizes = np.ceil((high - corner) / step).astype(int) + 1 + _PAD
-        few = _few_of_each(np.floor((places - corner) / step).astype(int))
-        return cls(chart, corner, step, np.zeros(sizes, dtype=bool), pool[few], places[few])
-
-    def node(self, index: Any) -> Array:
-        return np.asarray(self.corner + self.step * np.asarray(index))
-
-    def is_beyond(self, index: Any) -> Array:
-        """Whether nodes lie on the other side of the axis."""
-        return np.asarray(self.node(index)[..., 0] < 0) & self.chart.around
-
-    def flood(self, job: Job) -> None:
-        """Tries nodes next to places that are reached, until none is left."""
-        hit = np.zeros(np.array(self.inside.shape) - 1, dtype=bool)
-        cells = np.floor((self.places - self.corner) / self.step).astype(int)
-        hit[tuple(cells.T)] = True
-        padded = np.pad(hit, 1)
-        around = padded[1:, 1:].astype(int) + padded[:-1, 1:] + padded[1:, :-1] + padded[:-1, :-1]
-        self.inside = around == 4
-        tried = self.inside.copy()
-        todo = {tuple(index) for index in np.argwhere((around > 0) & (around < 4))}
-        while todo and not job.late:
-            job.tell("outline of the workspace")
-            nodes = np.array(sorted(todo))
-            nodes = nodes[~self.is_beyond(nodes)]
-            tried[tuple(np.array(sorted(todo)).T)] = True
-            todo = set()
-            if not len(nodes):
-                break
-            y, away = self.best(self.node(nodes), _STARTS)
-            reached = away <= 10 * ARRIVED
-            self.inside[tuple(nodes[reached].T)] = True
-            self.remember(y)
-            self._widen(nodes[reached])
-            for index in (nodes[reached][:, None] + _NEAR).reshape(-1, 2):
-                i, j = (int(x) for x in index)
-                if 0 <= i < tried.shape[0] and 0 <= j < tried.shape[1] and not tried[i, j]:
-                    todo.add((i, j))
-            tried = np.pad(tried, [(0, a - b) for a, b in zip(self.inside.shape, tried.shape, strict=True)])
-
-    def _widen(self, reached: Array) -> None:
-        """Room for nodes beyond the last ones reached; the low sides have a rim of their own."""
-        if len(reached):
-            need = reached.max(0) + 1 + _PAD
-            grow = np.maximum(need - np.array(self.inside.shape), 0)
-            self.inside = np.pad(self.inside, [(0, int(g)) for g in grow])
-
-    def remember(self, y: Array) -> None:
-        self.pool, self.places = np.concatenate([self.pool, y]), np.concatenate([self.places, self.chart.place(y)])
-
-    def best(self, targets: Array, count: int, more: Array | None = None) -> tuple[Array, Array]:
-        """(t, n) the posture that comes nearest to each target, from postures whose tips are near it, and (t) how near."""
-        starts = self._starts(targets, count)
-        if more is not None:
-            starts = np.concatenate([starts, more], axis=1)
-        t, s, n = starts.shape
-        y, away = self.chart.nearest(starts.reshape(-1, n), np.repeat(targets, s, axis=0))
-        chosen = away.reshape(t, s).argmin(1)
-        return y.reshape(t, s, n)[np.arange(t), chosen], away.reshape(t, s).min(1)
-
-    def _starts(self, targets: Array, count: int) -> Array:
-        """(t, count, n) of the pool: half of them the nearest, half by chance among a few times as many."""
-        found = np.zeros((len(targets), count), dtype=int)
-        squares = (self.places**2).sum(-1)
-        for begin in range(0, len(targets), 64):
-            some = targets[begin : begin + 64]
-            lengths = squares - 2 * some @ self.places.T
-            near = np.argpartition(lengths, 8 * count, axis=1)[:, : 8 * count]
-            near = np.take_along_axis(near, np.take_along_axis(lengths, near, 1).argsort(1), 1)
-            half = count // 2
-            found[begin : begin + 64] = np.concatenate(
-                [near[:, :half], near[:, half :: 8 - half // count][:, : count - half]], 1
-            )
-        return self.pool[found]
 
 
 def loops(grid: Grid, tolerance: float, rng: Any, job: Job) -> tuple[list[Loop], bool]:
@@ -159,7 +46,7 @@ def loops(grid: Grid, tolerance: float, rng: Any, job: Job) -> tuple[list[Loop],
     for turn in range(_REPAIRS):
         refined = [_refined(grid, loop, tolerance, job) for loop in found]
         found, done = [loop for loop, _ in refined], all(in_time for _, in_time in refined)
-        y = grid.chart.random(_RANDOM, rng)
+        y = grid.chart.random(RANDOM, rng)
         places = grid.chart.place(y)
         y, places = y[~covered(found, places)], places[~covered(found, places)]
         missed = np.array([off(found, place) for place in places]) > 2 * tolerance if len(y) else np.zeros(0, dtype=bool)
@@ -213,7 +100,7 @@ def _opened(grid: Grid, loop: Loop, places: Array) -> Loop:
         far = int(lengths.min(1).argmax())
         piece = int(lengths[far].argmin())
         target = rest[far] + 0.25 * grid.step * way[far, piece] / lengths[far, piece]
-        y, away = grid.best(target[None], 4 * _STARTS)
+        y, away = grid.best(target[None], 4 * STARTS)
         if away[0] > 1e3 * ARRIVED:
             new = _parts(grid, y, target[None])
             loop = Loop(*(np.insert(old, piece + 1, extra, axis=0) for old, extra in zip(loop, new, strict=True)))
@@ -263,14 +150,14 @@ def _traced(grid: Grid, ring: list[Any]) -> Loop:
     first, last = (grid.node(np.array([pair[end] for pair in ring])) for end in (0, 1))
     beyond = grid.is_beyond(np.array([b for _, b in ring]))
     last = np.where(beyond[:, None], np.stack([np.zeros(len(ring)), first[:, 1]], -1), last)
-    y, away = grid.best(last, _STARTS)
+    y, away = grid.best(last, STARTS)
     on_axis, targets = beyond & (away <= _AT_AXIS), last.copy()
     share = np.zeros((len(ring), 1))  # what is known to be reached of the way
     best = y.copy()
     for half in 0.5 ** np.arange(1, _HALVINGS + 1):
         some = ~on_axis
         trial = first + (share + half) * (last - first)
-        found, away = grid.best(trial[some], _STARTS, best[some, None])
+        found, away = grid.best(trial[some], STARTS, best[some, None])
         best[some] = found
         reached = np.zeros(len(ring), dtype=bool)
         reached[some] = away <= 10 * ARRIVED
@@ -282,7 +169,7 @@ def _traced(grid: Grid, ring: list[Any]) -> Loop:
         place = ends + (by > 0)
         away = np.sign(targets[ends, 1] - targets[(ends + by) % len(targets), 1])
         beyond = np.stack([np.zeros(len(ends)), targets[ends, 1] + away * grid.step], -1)
-        found, _ = grid.best(beyond, _STARTS, y[ends, None])
+        found, _ = grid.best(beyond, STARTS, y[ends, None])
         y, targets = np.insert(y, place, found, axis=0), np.insert(targets, place, beyond, axis=0)
         on_axis = np.insert(on_axis, place, False)
     return _loop(grid, y, targets, on_axis)
@@ -360,9 +247,22 @@ def _between(grid: Grid, loop: Loop, todo: Array, piece: Array, length: Array, a
         if not len(left):
             break
         off[left] *= 4
-    points = grid.chart.place(y)
-    ends = [np.linalg.norm(points - loop.points[(todo + by) % k], axis=-1) for by in (0, 1)]
-    foot = ((points - loop.points[todo]) * piece[todo]).sum(-1) / length[todo] ** 2
-    good = (np.minimum(*ends) > _SAME) & (np.maximum(*ends) < 4 * length[todo]) & (foot > 0.01) & (foot < 0.99)
+    good = _new(grid, loop, todo, piece, y)
     good[left] = False
+    rest = np.flatnonzero(~good)  # the tip of a void may lie behind the piece
+    inner = middle[rest] - 0.5 * length[todo[rest], None] * outwards[rest]
+    found, away = grid.best(inner, STARTS, more[rest]) if len(rest) else (y[rest], np.zeros(0))
+    open_ = rest[away > 1e3 * ARRIVED]
+    y[open_], targets[open_] = found[away > 1e3 * ARRIVED], inner[away > 1e3 * ARRIVED]
+    good[open_] = _new(grid, loop, todo[open_], piece, y[open_])
     return y, targets, good
+
+
+def _new(grid: Grid, loop: Loop, todo: Array, piece: Array, y: Array) -> Array:
+    """(t) whether tips lie between the ends of pieces, and at none of them."""
+    points, k = grid.chart.place(y), len(loop.points)
+    length = np.linalg.norm(piece[todo], axis=-1)
+    ends = [np.linalg.norm(points - loop.points[(todo + by) % k], axis=-1) for by in (0, 1)]
+    foot = ((points - loop.points[todo]) * piece[todo]).sum(-1) / length**2
+    apart = (np.minimum(*ends) > _SAME) & (np.maximum(*ends) < 4 * length)
+    return np.asarray(apart & (foot > 0.01) & (foot < 0.99))

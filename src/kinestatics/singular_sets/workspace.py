@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import ConfigurationError
-from ..kinematics import jacobian
+from ..kinematics import configuration, jacobian
 from ..model import RobotModel
 from ..namespaces import Array, as_array
 from ..progress import Job
@@ -74,7 +74,8 @@ class WorkspaceSection:
 
     Attributes:
         model: the robot; link: whose origin is the tip.
-        axes: names of the coordinates: ("radius", "height") from axis 1 and along it, or ("x", "y").
+        axes: names of the coordinates: ("radius", "height") from axis 1 and along it, or ("x", "y") of base.
+        origin: (3) the place on axis 1 from which heights are counted, base axes [m].
         outlines: closed curves; a place is reached where it lies inside an odd number of them.
         images: of the components of the singular set; what of them is not outline lies inside.
         limits: whether joint limits were kept.
@@ -88,6 +89,7 @@ class WorkspaceSection:
     model: RobotModel
     link: str
     axes: tuple[str, str]
+    origin: Array
     outlines: tuple[Outline, ...]
     images: tuple[SingularImage, ...]
     limits: bool
@@ -106,6 +108,19 @@ class WorkspaceSection:
     def kinds(self) -> tuple[str, ...]:
         """(k) of these points."""
         return tuple(kind for outline in self.outlines for kind in outline.kinds)
+
+    def place(self, q: Any) -> Array:
+        """(..., 2) where the tip is in the section at postures (..., n) [m].
+
+        Example:
+            >>> import kinestatics as ks
+            >>> section = ks.singularities(ks.load("elbow_rrr"), "position").workspace_section(cells=24)
+            >>> section.place([0.4, 0.0, 0.0]).round(3)
+            array([0.85, 0.  ])
+        """
+        array = np.asarray(configuration(self.model, q)[0], dtype=float)
+        chart = Chart.of(self.model, self.link, self.axes[0] == "radius", self.limits)
+        return _metres(chart, chart.place(array / chart.travel))
 
     def covers(self, places: Any) -> Array:
         """(...) whether places (..., 2) of the section are reached [m].
@@ -128,6 +143,7 @@ class WorkspaceSection:
             "robot": self.model.name,
             "link": self.link,
             "axes": list(self.axes),
+            "origin": plain(self.origin),
             "limits": self.limits,
             "outlines": [{"points": plain(o.points), "kinds": list(o.kinds), "encloses": o.encloses} for o in self.outlines],
             "images": [{"name": i.component.name, "points": plain(i.points), "kinds": list(i.kinds)} for i in self.images],
@@ -224,7 +240,7 @@ def section_of(
     outlines = tuple(_outline(chart, loop) for loop in found)
     sizes = (section.limits, chart.length, section.tolerance, grid.step * chart.length)
     seconds = time.monotonic() - began
-    return WorkspaceSection(model, link, names, outlines, images, *sizes, settled and not job.late, seconds)
+    return WorkspaceSection(model, link, names, chart.origin, outlines, images, *sizes, settled and not job.late, seconds)
 
 
 def _metres(chart: Chart, w: Array) -> Array:
