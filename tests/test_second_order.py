@@ -17,6 +17,7 @@ from kinestatics.singular_sets.names import name_of
 from kinestatics.singular_sets.reach import on_boundary
 from kinestatics.singular_sets.second_order import second_order
 from kinestatics.singular_sets.task_map import polished, rotation_vectors, task_map
+from singular_robots import ROBOTS, numeric
 
 PI = np.pi
 Q3_FOLDED, SHOULDER = np.arctan2(-0.4318, 0.0203) + PI, -0.18310094581072303
@@ -524,3 +525,23 @@ def test_symbols_are_refused():
     symbolic = ks.from_dh([(a, 0, 0, 0), (1, 0, 0, 0)], convention="standard")
     with pytest.raises(ArrayTypeError, match="KS302"):
         second_order(symbolic, [0, 0], ks.find_task(ARMS["planar_2r"]))
+
+
+@pytest.mark.parametrize(
+    ("name", "q"),
+    [
+        (
+            "tm5_700",
+            [-0.1316245757259975, -2.1379234521572865, 1.473891711134418, -2.427370288182206, 0, 0.10518166948605545],
+        ),
+        (
+            "stanford_SHV",
+            [-2.6034430650208034, -1.6536683579594254, 0, 0.5162392978075951, -2.550164951680153, -0.4201758265523301],
+        ),
+    ],
+)
+def test_self_motion_near_another_singularity(name, q):
+    """The tip stands still along a curve that a step of 0.05 rad leaves: shorter ones follow it."""
+    arm = numeric(ROBOTS[name])
+    found = second_order(arm, q, ks.find_task(arm))
+    assert (found.kind, found.self_motion) == ("self-motion", 1)

@@ -8,6 +8,7 @@ With the tip held besides, their solutions are the *self-motions*: postures that
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -27,7 +28,7 @@ EPS = float(np.finfo(float).eps)
 _STRUCTURAL = 1e-9
 _SAMPLES = 8
 _POLISH_STEPS, _CUT = 40, 1e-9  # singular values of a Newton step below this share of the largest are left out
-_ARC, _ARC_STEPS = 0.05, 4  # [rad] of null motion, each way
+_ARCS, _ARC_STEPS = (0.05, 0.015, 0.005), 4  # [rad] of null motion, each way: near other singularities long ones lose it
 _STANDS = 1e-11  # how still the tip stands, in reaches and radians
 _TURNED = 1e-6
 
@@ -271,26 +272,33 @@ class StandsStill(NamedTuple):
         weights = np.random.default_rng(20260205).normal(size=radical.shape[1])
         direction = found.N @ radical @ (weights / np.linalg.norm(weights))
         system = _Bordered(of, found.W, of.place(found.y))
-        turns = False
-        for way in (1.0, -1.0):
-            y, W, tangent = found.y, found.W, way * direction
-            for _ in range(_ARC_STEPS):
-                there = y + _ARC * tangent
-                new, W, size = system.solved(there, W, (tangent, float(tangent @ there)))
-                if size > _STANDS or np.linalg.norm(new - there) > _ARC:
-                    return cls(False, cls._part(system, found, radical), False)
-                y, tangent = new, (new - y) / np.linalg.norm(new - y)
-            basis = np.linalg.qr(W)[0]
-            turns |= bool(np.linalg.norm(found.W - basis @ (basis.T @ found.W)) > _TURNED)
-        return cls(True, False, turns)
+        for arc in _ARCS:
+            ends = [cls._followed(system, found, way * direction, arc) for way in (1.0, -1.0)]
+            bases = [np.linalg.qr(W)[0] for W in ends if W is not None]
+            if len(bases) == len(ends):
+                apart = (np.linalg.norm(found.W - basis @ (basis.T @ found.W)) for basis in bases)
+                return cls(True, False, bool(max(apart) > _TURNED))
+        return cls(False, cls._part(system, found, radical), False)
+
+    @staticmethod
+    def _followed(system: _Bordered, found: Singular, tangent: Array, arc: float) -> Array | None:
+        """What is lost at the end of a null motion of a few steps; None where the tip does not stand still along it."""
+        y, W = found.y, found.W
+        for _ in range(_ARC_STEPS):
+            there = y + arc * tangent
+            new, W, size = system.solved(there, W, (tangent, float(tangent @ there)))
+            if size > _STANDS or np.linalg.norm(new - there) > arc:
+                return None
+            y, tangent = new, (new - y) / np.linalg.norm(new - y)
+        return W
 
     @staticmethod
     def _part(system: _Bordered, found: Singular, radical: Array) -> bool:
         """Whether the tip stands still along some direction at least."""
         if radical.shape[1] < 2:
             return False
-        for column in (found.N @ radical).T:
-            y, _, size = system.solved(found.y + _ARC * column, found.W)
-            if size <= _STANDS and np.linalg.norm(y - found.y) > 0.3 * _ARC:
+        for arc, column in itertools.product(_ARCS, (found.N @ radical).T):
+            y, _, size = system.solved(found.y + arc * column, found.W)
+            if size <= _STANDS and np.linalg.norm(y - found.y) > 0.3 * arc:
                 return True
         return False
