@@ -1,5 +1,6 @@
 """Singular sets: the robots of golden/singular_robots.json, their traps, and what is said where nothing is known."""
 
+import dataclasses
 import itertools
 
 import numpy as np
@@ -542,6 +543,16 @@ def test_only_a_square_jacobian_has_a_determinant():
     assert found.determinant is None
     assert "det" not in str(found)
     assert [c.columns for c in found.components] == [(1,)]
+
+
+def test_limits_count_or_not():
+    """A joint that cannot be straight: its component is outside the limits, unless joints are taken to be free."""
+    arm = dataclasses.replace(ks.load("planar_2r"), lower=np.array([-3.0, 0.1]), upper=np.array([3.0, 3.0]))
+    assert [c.within_limits for c in singularities(arm).components] == [False]
+    free = singularities(arm, limits=False)
+    assert [c.within_limits for c in free.components] == [True]
+    assert "limits" not in str(free)
+    assert np.isfinite(arm.lower).all()
 
 
 MISTAKES = {

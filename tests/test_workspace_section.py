@@ -108,6 +108,17 @@ def test_radii_that_are_known():
     assert iiwa.points[:, 1].max() == pytest.approx(0.42 + 0.4 + 0.126, abs=1e-6)
 
 
+def test_the_tip_of_a_void_does_not_hang_on_the_grid():
+    """The PUMA's limits leave a void that ends in a tip thinner than the cells of either grid."""
+    tips = []
+    for cells in (16, 40):
+        _, section, _ = section_and_heights("puma_560", cells=cells, image=0, tolerance=1e-4)
+        x = section.points
+        tips.append(x[(x[:, 0] > 0.26) & (np.abs(x[:, 1] + 0.2) < 0.1), 1].max())
+    assert tips[0] == pytest.approx(tips[1], abs=5e-3)
+    assert min(tips) > -0.215
+
+
 def test_a_planar_arm_has_its_plane_and_its_void():
     """Lengths 1 and 0.4: an annulus from 0.6 to 1.4, its inner rim an outline of its own; with limits a sickle."""
     arm = ks.from_dh([(1.0, 0, 0, 0), (0.4, 0, 0, 0)], convention="standard")

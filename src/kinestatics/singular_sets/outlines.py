@@ -1,30 +1,25 @@
 """The outline of what an arm reaches in a section of its workspace: found on a grid, then followed as closely as is asked.
 
 A node of the grid that no posture reaches has a nearest place that one reaches, and that place is on the outline: as far as
-the starts say, for the nearest of all may have been missed. Nodes are tried next to random postures, and beside each that
-is reached its neighbours, so that thin rims which random postures hardly ever meet are found from within.
+the starts say, for the nearest of all may have been missed.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..namespaces import Array
 from ..progress import Job
-from .chart import ARRIVED, Chart
+from .chart import ARRIVED
+from .grid import RANDOM, STARTS, Grid
 
-RANDOM, _KEPT = 60000, 12
-STARTS = 8
-_PAD = 2
 _ROUNDS, _REPAIRS, _MISSED = 30, 5, 8
 _HALVINGS = 3
 _CORNER = 2e-5  # in reaches: pieces are no shorter than that
 _SAME, _AT_AXIS = 1e-8, 1e-7
-_NEAR = np.array([(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != (0, 0)])
 
 
 class Loop(NamedTuple):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import time
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from math import comb
 from typing import Any
 
@@ -39,6 +40,7 @@ def singularities(
     task: str | Sequence[str] | Sequence[int] = "auto",
     *,
     at: str = TIP,
+    limits: bool = True,
     lengths: str | Mapping[Any, float] = "auto",
     tolerance: float = 1e-5,
     budget: float = _BUDGET,
@@ -50,6 +52,7 @@ def singularities(
         model: the robot; its lengths may be symbols.
         task: the rows in play, as in `find_task`.
         at: the link.
+        limits: whether the joints' limits count, where it is said which components lie within them; else joints are free.
         lengths: of a robot of numbers: "auto", "named" (a2, d4, ... after Denavit and Hartenberg) or "numbers". "auto" takes
             names unless the numbers are special, so that more factors. Of a robot of symbols: numbers for them, where known.
         tolerance: as in `exact`.
@@ -78,6 +81,9 @@ def singularities(
     require_model(model)
     began, job = time.perf_counter(), Job.of(budget, progress)
     numeric, chain, values, given = _prepared(model, at, lengths, tolerance)
+    if not limits:
+        free = np.full(model.n, np.inf)
+        numeric = replace(numeric, lower=-free, upper=free)
     found_task = find_task(numeric, task, at=at)
     half = HalfAngleRing(chain.ring)
     minors = _minors(chain, found_task, job)

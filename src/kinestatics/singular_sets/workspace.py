@@ -26,7 +26,8 @@ from ..spatial import ANGULAR, LINEAR, LINEAR_ROWS
 from ..tasks import Task, prismatic_columns, without_rounding
 from .chart import Chart
 from .components import Component
-from .outlines import Grid, Loop, covered, loops
+from .grid import Grid
+from .outlines import Loop, covered, loops
 
 _ON_AXIS = 1e-6
 _ZERO = 1e-7  # of forms, beside the largest; of singular values, beside one reach
