@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from hypothesis import strategies as st
 
+from kinestatics import from_dh
 from kinestatics.robots.assemble import assemble
 from kinestatics.robots.description import JointDescription, LinkDescription, Mimic, RobotDescription
 from kinestatics.spatial import quaternion_to_rotation
@@ -111,3 +112,17 @@ def assert_close(found, expected, tolerance):
     found, expected = np.asarray(found), np.asarray(expected)
     assert found.shape == expected.shape
     assert np.abs(found - expected).max(initial=0.0) <= tolerance * scale_of(expected)
+
+
+RIGHT_ANGLES = (0.0, np.pi / 2, -np.pi / 2, np.pi)
+
+
+def tables(n, kinds="RRRP", twists=RIGHT_ANGLES):
+    """Arms of a standard table with n rows, lengths of two decimals of which many are zero; twists at right angles."""
+    length = st.sampled_from([0.0, 0.0, 0.1, -0.25, 0.3, 0.42])
+    row = st.tuples(length, st.sampled_from(twists), length, st.sampled_from((0.0, np.pi / 2)))
+    return st.builds(
+        lambda rows, types: from_dh(rows, convention="standard", types="".join(types)),
+        st.lists(row, min_size=n, max_size=n),
+        st.lists(st.sampled_from(kinds), min_size=n, max_size=n),
+    )

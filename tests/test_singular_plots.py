@@ -97,7 +97,7 @@ def test_distances_are_those_of_the_postures(puma):
         assert rim[:, 1].min() == pytest.approx(np.degrees(min(d.at_least for d in own)), rel=1e-9, abs=1e-9)
     assert settled(ax)
     assert not plots.singular_distances(puma, path[:1], bounds=False).collections
-    for bad, code in ((path[0], "KS384"), (path[:, :5], "KS384"), (path * np.nan, "KS384")):
+    for bad, code in ((path[0], "KS384"), (path[:, :5], "KS384"), (path * np.nan, "KS301")):
         with pytest.raises(ks.ConfigurationError, match=code):
             plots.singular_distances(puma, bad)
     with pytest.raises(ks.ConfigurationError, match="KS385"):

@@ -14,21 +14,10 @@ from kinestatics.symbolic.chain import ExactChain, determinant
 from kinestatics.symbolic.functions import WaveFunction
 from kinestatics.symbolic.halfangle import HalfAngleRing
 from kinestatics.symbolic.ring import flint
+from strategies import RIGHT_ANGLES, tables
 
-RIGHT = (0.0, np.pi / 2, -np.pi / 2, np.pi)
-GENERAL = (*RIGHT, np.radians(20))
+GENERAL = (*RIGHT_ANGLES, np.radians(20))
 COORDINATE = st.one_of(st.floats(-4, 4), st.floats(-1e3, 1e3), st.sampled_from([0.0, 1e-9, -1e-300, 1e6]))
-
-
-def arms(n, kinds="RRRP", twists=GENERAL):
-    """Arms of a standard table: right angles and 20 degrees, lengths of two decimals of which many are zero."""
-    length = st.sampled_from([0.0, 0.0, 0.1, -0.25, 0.3, 0.42])
-    row = st.tuples(length, st.sampled_from(twists), length, st.sampled_from((0.0, np.pi / 2)))
-    return st.builds(
-        lambda rows, types: ks.from_dh(rows, convention="standard", types="".join(types)),
-        st.lists(row, min_size=n, max_size=n),
-        st.lists(st.sampled_from(kinds), min_size=n, max_size=n),
-    )
 
 
 def factors_of(arm):
@@ -69,7 +58,7 @@ def drawn_domain(data, n):
 
 
 @settings(max_examples=25)
-@given(arm=st.integers(1, 4).flatmap(arms), data=st.data())
+@given(arm=st.integers(1, 4).flatmap(lambda n: tables(n, twists=GENERAL)), data=st.data())
 def test_bounds_hold_every_value_on_a_piece(arm, data):
     """At exact points of a piece, rational to the last bit, the factor is within the radius of the value at the centre.
 
@@ -162,7 +151,7 @@ def test_radius_holds_the_corners(slides):
 
 
 @settings(max_examples=40)
-@given(arm=st.integers(1, 4).flatmap(lambda n: arms(n, twists=RIGHT)), data=st.data())
+@given(arm=st.integers(1, 4).flatmap(tables), data=st.data())
 def test_slopes_are_those_of_the_function(arm, data):
     """Values and slopes, of the bounds and of the search, against the factor's function of numbers, derived another way."""
     found = factors_of(arm)
@@ -201,7 +190,7 @@ def test_domains_cover_what_was_given(data, n):
 
 
 @settings(max_examples=12)
-@given(arm=st.integers(2, 4).flatmap(arms), data=st.data())
+@given(arm=st.integers(2, 4).flatmap(lambda n: tables(n, twists=GENERAL)), data=st.data())
 def test_what_holds_a_singular_posture_is_not_free(arm, data):
     """Boxes and lines through points of components of random arms, with joints that slide and a general angle."""
     if not ks.find_task(arm).rank:
@@ -220,7 +209,7 @@ def test_what_holds_a_singular_posture_is_not_free(arm, data):
 
 
 @settings(max_examples=12)
-@given(arm=st.integers(2, 4).flatmap(arms), data=st.data())
+@given(arm=st.integers(2, 4).flatmap(lambda n: tables(n, twists=GENERAL)), data=st.data())
 def test_free_boxes_keep_their_rank(arm, data):
     """At random points of boxes called free, and after steps towards the least singular value inside the box."""
     optimize = pytest.importorskip("scipy.optimize", reason="a judge of the dev extra")

@@ -10,26 +10,14 @@ from kinestatics.spatial import ANGULAR_ROWS
 from kinestatics.symbolic.chain import ExactChain, determinant
 from kinestatics.symbolic.functions import WaveFunction
 from kinestatics.symbolic.halfangle import HalfAngleRing
-
-RIGHT = (0.0, np.pi / 2, -np.pi / 2, np.pi)
-
-
-def arms(n, kinds="RRRP"):
-    """Arms of a standard table: right angles, lengths of two decimals of which many are zero."""
-    length = st.sampled_from([0.0, 0.0, 0.1, -0.25, 0.3, 0.42])
-    row = st.tuples(length, st.sampled_from(RIGHT), length, st.sampled_from((0.0, np.pi / 2)))
-    return st.builds(
-        lambda rows, types: ks.from_dh(rows, convention="standard", types="".join(types)),
-        st.lists(row, min_size=n, max_size=n),
-        st.lists(st.sampled_from(kinds), min_size=n, max_size=n),
-    )
+from strategies import tables
 
 
 def rows_of(task):
     return list(task.rows)
 
 
-@given(arm=st.integers(2, 6).flatmap(arms), named=st.booleans(), body=st.sampled_from(["position", "full", "orientation"]))
+@given(arm=st.integers(2, 6).flatmap(tables), named=st.booleans(), body=st.sampled_from(["position", "full", "orientation"]))
 def test_minors_are_those_of_numpy(arm, named, body):
     """Every minor of the exact Jacobian, with numbers or with names for lengths, at random configurations."""
     chain = ExactChain.of(ks.exact(arm))
@@ -49,7 +37,7 @@ def test_minors_are_those_of_numpy(arm, named, body):
 
 
 @settings(max_examples=25)
-@given(arm=st.integers(2, 5).flatmap(arms), data=st.data())
+@given(arm=st.integers(2, 5).flatmap(tables), data=st.data())
 def test_components_are_sound_and_hold_what_is_singular(arm, data):
     """Every sampled point of a component loses rank; a posture of lower rank, found without formulas, lies on one."""
     task = ks.find_task(arm)
@@ -85,7 +73,7 @@ def descended(arm, task, q):
 
 
 @settings(max_examples=25)
-@given(arm=st.integers(2, 6).flatmap(lambda n: arms(n, "R")), scale=st.sampled_from([0.5, 2.0, 10.0]))
+@given(arm=st.integers(2, 6).flatmap(lambda n: tables(n, "R")), scale=st.sampled_from([0.5, 2.0, 10.0]))
 def test_a_larger_arm_is_singular_in_the_same_postures(arm, scale):
     """Lengths all multiplied: as many components, of the same joints and names, through the same points."""
     placements = arm.placements.copy()

@@ -107,8 +107,8 @@ def measure_along(
         >>> [text.get_text() for text in ax.get_legend().get_texts()]
         ['rows vx, vy', 'least: 0.4794 m$^{2}$ at configuration 30']
     """
-    found, values = _known(measure), _path(model, path)
-    x = np.arange(len(values), dtype=float) if times is None else _checked_times(times, len(values))
+    found, values = _known(measure), checked_path(model, path)
+    x = np.arange(len(values), dtype=float) if times is None else checked_times(times, len(values))
     J = jacobian(model, values, at=at)
     heights = np.asarray(found.compute(J, task=task, length=length), dtype=float)
     rows = rows_in_play(J, task, length, needs_length=False)
@@ -127,7 +127,7 @@ def _known(measure: Any) -> _Measure:
     return MEASURES[measure]
 
 
-def _path(model: RobotModel, path: Any) -> Array:
+def checked_path(model: RobotModel, path: Any) -> Array:
     """(m, n) the path in NumPy, checked."""
     require_model(model)
     if model.is_symbolic:
@@ -143,7 +143,12 @@ def _path(model: RobotModel, path: Any) -> Array:
     return np.array(configuration(model, array, what="the path")[0], dtype=np.float64)
 
 
-def _checked_times(times: Any, m: int) -> Array:
+def checked_times(times: Any, m: int) -> Array:
+    """(m) increasing times.
+
+    Raises:
+        ConfigurationError: KS385.
+    """
     try:
         x = np.asarray(times, dtype=float)
     except (TypeError, ValueError):

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import ConfigurationError
 from ..namespaces import Array
 from ..singular_sets import SingularSet
 from .axes import is_axes, new_axes
 from .layout import draw_key, place_of, settle
+from .paths import checked_path, checked_times
 from .singular import color_of, require_set
 from .style import LABEL_SIZE, TEXT, TICK_SIZE
 
@@ -41,8 +41,8 @@ def singular_distances(found: SingularSet, path: Any, *, times: Any = None, boun
         The axes.
 
     Raises:
-        MissingExtraError: KS400; ConfigurationError: KS384 for a path of another shape, KS385 for times; ArrayTypeError:
-        KS302.
+        MissingExtraError: KS400; ConfigurationError: KS384 for a path of another shape, KS301 where it is not finite, KS385
+        for times; ArrayTypeError: KS302.
 
     Law: the distance is min |q - x| over the component, so that it changes along the path by no more than the path is long.
 
@@ -54,8 +54,8 @@ def singular_distances(found: SingularSet, path: Any, *, times: Any = None, boun
         ('distance [°]', ['shoulder', 'elbow', 'wrist'])
     """
     require_set(found)
-    q = _path(found, path)
-    x = np.arange(len(q), dtype=float) if times is None else _times(times, len(q))
+    q = checked_path(found.model, path)
+    x = np.arange(len(q), dtype=float) if times is None else checked_times(times, len(q))
     axes = ax if is_axes(ax) else new_axes(ax, _HEIGHT)
     turning = all(found.space.half.ring.turns)
     value, at_least = _distances(found, q)
@@ -89,28 +89,6 @@ def _distances(found: SingularSet, q: Array) -> tuple[Array, Array]:
             value[row, k] = distance.value if np.isfinite(distance.value) else np.nan
             at_least[row, k] = distance.at_least
     return value, at_least
-
-
-def _path(found: SingularSet, path: Any) -> Array:
-    try:
-        q = np.asarray(path, dtype=float)
-    except (TypeError, ValueError):
-        q = np.zeros(0)
-    if q.ndim != 2 or q.shape[1] != found.model.n or not len(q) or not np.all(np.isfinite(q)):
-        message = f"the path has shape {q.shape}; expected (m, {found.model.n}) finite numbers"
-        raise ConfigurationError("KS384", message, "one row for each configuration, one column for each joint")
-    return q
-
-
-def _times(times: Any, m: int) -> Array:
-    try:
-        x = np.asarray(times, dtype=float)
-    except (TypeError, ValueError):
-        x = np.zeros(0)
-    if x.shape != (m,) or not np.all(np.isfinite(x)) or np.any(np.diff(x) <= 0):
-        message = f"the times have shape {x.shape}" if x.shape != (m,) else "the times are not finite and increasing"
-        raise ConfigurationError("KS385", message, f"({m},) increasing times in seconds, one for each configuration")
-    return x
 
 
 def _dress(axes: Any, below: str, unit: str) -> None:

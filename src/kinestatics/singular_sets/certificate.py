@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from ..errors import ConfigurationError
 from ..namespaces import Array
 from ..progress import Job, Progress
 from .components import Component
@@ -181,3 +182,21 @@ def _halves(low: Array, high: Array, cut: Array) -> tuple[Array, Array]:
     left, right = high.copy(), low.copy()
     left[here, cut], right[here, cut] = middle, middle
     return np.concatenate([low, right]), np.concatenate([left, high])
+
+
+def checked_corners(n: int, box: Any, path: Any) -> Array:
+    """(2, n) corners of a box, lower first, or (m, n) postures of a path.
+
+    Raises:
+        ConfigurationError: KS303.
+    """
+    if (box is None) == (path is None):
+        raise ConfigurationError("KS303", "certify_free takes a box or a path", "one of the two")
+    corners = np.asarray(path if box is None else box, dtype=float)
+    expected = corners.ndim == 2 and corners.shape[1] == n and len(corners) >= 2
+    if not expected or not np.all(np.isfinite(corners)) or (box is not None and len(corners) != 2):
+        hint = f"a box is (2, {n}), a path (m, {n}), of finite numbers"
+        raise ConfigurationError("KS303", f"found shape {corners.shape}", hint)
+    if box is not None and np.any(corners[0] > corners[1]):
+        raise ConfigurationError("KS303", "the box has a lower corner above the upper one", "lower first")
+    return corners

@@ -13,15 +13,13 @@ from ..errors import ConfigurationError, UnknownNameError, nearest
 from ..model import RobotModel
 from ..namespaces import Array
 from ..progress import Job, Progress
-from ..quantities import format_number, wrapped
 from ..statics import RANK_TOLERANCE
 from ..symbolic.functions import WaveFunction
 from ..symbolic.printing import shortest
-from ..symbolic.writer import rounded_text
 from ..tasks import Task
 from .aspects import Aspects, box_of, count_aspects
 from .card import Card, card_of
-from .certificate import Certificate, certify, certify_path
+from .certificate import Certificate, certify, certify_path, checked_corners
 from .components import Component, spectrum
 from .distance import Distance, distance_to
 from .enclosure import Domain
@@ -29,13 +27,9 @@ from .equations import DIGITS, Equation, Space, digits_of
 from .exclusion import Exclusion
 from .reach import on_boundary
 from .second_order import second_order
+from .text import data_of, text_of
 from .tracing import Curve, Cusp, cusps_of, trace
 from .workspace import Section, WorkspaceSection, check_section, section_of
-
-_BUDGET = 20.0
-_ROUNDING = 1e-9  # of a residual
-_RESIDUAL_SAMPLES = 32
-_SHORT = 40  # terms of a factor whose zeros are looked for while conditions are split
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,21 +195,13 @@ class SingularSet:
             >>> found.certify_free(([0, 0.3, 0.4, 0.1, 0.2, 0], [0.1, 0.4, 0.5, 0.2, 0.3, 0.1])).verdict
             'free'
         """
-        if (box is None) == (path is None):
-            raise ConfigurationError("KS303", "certify_free takes a box or a path", "one of the two")
+        corners = checked_corners(self.model.n, box, path)
         self._exact_lengths()
-        Job.of(budget)
-        corners = np.asarray(path if box is None else box, dtype=float)
-        expected = corners.ndim == 2 and corners.shape[1] == self.model.n and len(corners) >= 2
-        if not expected or not np.all(np.isfinite(corners)) or (box is not None and len(corners) != 2):
-            hint = f"a box is (2, {self.model.n}), a path (m, {self.model.n}), of finite numbers"
-            raise ConfigurationError("KS303", f"found shape {corners.shape}", hint)
-        if box is not None:
-            if np.any(corners[0] > corners[1]):
-                raise ConfigurationError("KS303", "the box has a lower corner above the upper one", "lower first")
+        if box is None:
+            proof = certify_path(self._exclusion, corners, budget, progress)
+        else:
             proof = certify(self._exclusion, Domain.of_box(*corners), Job.of(budget, progress))
-            return replace(proof, residual=self.residual)
-        return replace(certify_path(self._exclusion, corners, budget, progress), residual=self.residual)
+        return replace(proof, residual=self.residual)
 
     @cached_property
     def _exclusion(self) -> Exclusion:
@@ -377,55 +363,10 @@ class SingularSet:
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""
-        return {
-            "robot": self.model.name,
-            "link": self.link,
-            "rows": list(self.task.row_names),
-            "rank": self.task.rank,
-            "determinant": None if self.determinant is None else str(self.determinant),
-            "factors": [
-                {"expression": str(e.expression), "joints": list(e.joints), "multiplicity": m, "real": e.real}
-                for e, m in self.factors
-            ],
-            "components": [component.to_dict() for component in self.components],
-            "complete": self.complete,
-            "lengths": {str(symbol): float(value) for symbol, value in self.lengths.items()},
-            "residual": self.residual,
-        }
+        return data_of(self)
 
     def __str__(self) -> str:
-        lines = [f"singularities of {self.model.name!r}: {', '.join(self.task.row_names)} (rank {self.task.rank})"]
-        if self.constant is not None:
-            short = not any(equation.long for equation, _ in self.factors)
-            lines += (
-                wrapped("det J = ", rounded_text(self.determinant)).splitlines()
-                if short and len(str(self.determinant)) < 2000
-                else ["det J: too long to print; it is .determinant, and .fourier in numbers"]
-            )
-        if not self.components:
-            lines.append("never singular" if self.never else "no real component was found; that there is none is not proved")
-        for component in self.components:
-            taken = f"takes {component.codimension}" if component.codimension else "codimension not found"
-            limits = {True: "", False: "; outside the joint limits", None: "; not seen inside the joint limits"}
-            head = f"{component.name}: {component.text()}"
-            lines += wrapped("  ", head, 4).splitlines()
-            tail = f"{component.verified}{limits[component.within_limits]}"
-            lines += wrapped("      ", f"rank {component.rank}, {taken}; {tail}").splitlines()
-        for equation, _ in self.factors:
-            if equation.real is False:
-                lines.append(f"  void: {equation.shown} = 0 has no real zeros")
-            elif equation.real is None:
-                lines.append(f"  not decided: whether {equation.shown} = 0 has real zeros")
-        if not self.complete:
-            lines.append("  time ran out: conditions that were not split are part of the components above")
-        if not self.lengths and any(equation.long for equation, _ in self.factors):
-            lines.append("  of a calibrated robot, singularities(arm, tolerance=0.01) finds the nominal form")
-        if self.lengths:
-            named = ", ".join(f"{symbol} = {float(value):g}" for symbol, value in self.lengths.items())
-            lines += wrapped("  with ", f"{named} m").splitlines()
-        if self.residual > _ROUNDING:
-            lines.append(f"  nominal: the robot's own Jacobian differs by up to {format_number(self.residual)} of its reach")
-        return "\n".join(lines)
+        return text_of(self)
 
 
 def checked_positive(step: Any) -> float:
