@@ -555,6 +555,18 @@ def test_limits_count_or_not():
     assert np.isfinite(arm.lower).all()
 
 
+def test_what_ran_out_of_time_says_so():
+    """A position task of a Panda in too little time: set, card and plain data say that there may be more."""
+    found = singularities(ks.load("panda"), "position", budget=5)
+    assert not found.complete
+    assert not found.never
+    assert "not complete" in str(found)
+    assert found.to_dict()["complete"] is False
+    card = found.at([0.1, 0.2, 0.3, -1.0, 0.4, 1.1, 0.2])
+    assert "others may be nearer" in str(card).replace("\n         ", " ")
+    assert card.to_dict()["complete"] is False
+
+
 MISTAKES = {
     "a screw joint": (lambda: singularities(ks.from_screws([[0.1, 0, 0, 1, 0, 0]], order="linear-angular")), "KS391"),
     "unknown lengths": (lambda: singularities(ks.load("ur5e"), lengths="none"), "KS397"),

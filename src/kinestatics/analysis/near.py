@@ -27,7 +27,7 @@ def nearest_singularities(model: RobotModel, q: Array, task: Task, at: str, note
         notes.append(f"singularities were not looked for: {error.message}" + (f" ({error.hint})" if error.hint else ""))
         return None
     if not found.complete:
-        notes.append("the singular set is not split completely: `ks.singularities` with a larger budget may be")
+        notes.append("time ran out: there may be nearer singularities (`ks.singularities` with a larger budget)")
     if found.residual > 1e-9:
         notes.append(f"singularities are those of the nominal robot, whose Jacobian differs by {found.residual:.1e}")
     return found.distance(q)

@@ -39,6 +39,7 @@ class Card:
         weakest: (6) the twist that costs the most joint motion, of size 1; rates: (n) the joint rates for it, infinite rates
             as a unit vector; gain: the rates' size, infinite where singular.
         residual: how far the nominal robot, of which all this is, is from the one given.
+        complete: whether all components are known; else `on` and `near` may lack some.
     """
 
     model: RobotModel
@@ -57,6 +58,7 @@ class Card:
     rates: Array
     gain: float
     residual: float
+    complete: bool = True
 
     @property
     def rank(self) -> int:
@@ -80,6 +82,7 @@ class Card:
             "characteristic_length": self.decomposition.characteristic_length,
             "on": list(self.on),
             "near": [distance.to_dict() for distance in self.near],
+            "complete": self.complete,
             "lost_twists": [screw.to_dict() for screw in self.lost],
             "free_wrenches": [screw.to_dict() for screw in self.free],
             "null_motion": self.decomposition.null_motion.tolist(),
@@ -113,6 +116,8 @@ class Card:
         lines.append(wrapped("  speed  ", self._speed()))
         lines.append(wrapped("  force  ", self._force()))
         lines += [wrapped("  near   ", str(distance)) for distance in self.near[:_NEAR]]
+        if not self.complete:
+            lines.append(wrapped("  near   ", "others may be nearer: not all components were found in time"))
         return "\n".join(lines)
 
     def _motion(self, row: Array) -> str:

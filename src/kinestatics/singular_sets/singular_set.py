@@ -153,10 +153,13 @@ class SingularSet:
         if second is not None and boundary and second.kind != "regular":
             reach = on_boundary(self.model, second.q, self.task, self.link, second)
         near = self.distance(array)
-        return card_of(self.model, self.link, self.task, array, on, near, second, reach, tolerance, self.residual)
+        card = card_of(self.model, self.link, self.task, array, on, near, second, reach, tolerance, self.residual)
+        return replace(card, complete=self.complete)
 
     def distance(self, q: Any) -> tuple[Distance, ...]:
         """The distance of a posture (n) from every component, the nearest first; limits are not looked at.
+
+        Where the set is not `complete`, of the components that are known: others may be nearer.
 
         Example:
             >>> import kinestatics as ks

@@ -54,7 +54,8 @@ def text_of(found: SingularSet) -> str:
         elif equation.real is None:
             lines.append(f"  not decided: whether {equation.shown} = 0 has real zeros")
     if not found.complete:
-        lines.append("  time ran out: conditions that were not split are part of the components above")
+        message = f"time ran out before all {len(found.candidates)} candidates were split and looked at"
+        lines += wrapped("  not complete: ", f"{message}; there may be more than stands above (budget=)").splitlines()
     if not found.lengths and any(equation.long for equation, _ in found.factors):
         lines.append("  of a calibrated robot, singularities(arm, tolerance=0.01) finds the nominal form")
     if found.lengths:
