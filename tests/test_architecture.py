@@ -14,7 +14,9 @@ FLOORS = {
     "errors": 0,
     "frames": 1,
     "namespaces": 1,
+    "palette": 1,
     "progress": 1,
+    "surfaces": 1,
     "conventions": 2,
     "spatial": 2,
     "model": 3,
@@ -35,10 +37,15 @@ FLOORS = {
     "evaluator": 8,
     "grasps": 8,
     "analysis": 9,
+    "skeleton": 9,
     "plots": 10,
-    "cli": 11,
-    "__main__": 12,
-    "__init__": 12,
+    "scene": 10,
+    "report": 11,
+    "notebook": 12,
+    "explorer": 12,
+    "cli": 13,
+    "__main__": 14,
+    "__init__": 14,
 }
 MODULES = sorted(PACKAGE.rglob("*.py"))
 

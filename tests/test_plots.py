@@ -16,7 +16,7 @@ from matplotlib.text import Text
 from mpl_toolkits.mplot3d import proj3d
 
 import kinestatics as ks
-from kinestatics import plots
+from kinestatics import palette, plots
 from kinestatics.plots import style
 from kinestatics.plots.artists import (
     FlatArrow,
@@ -31,8 +31,8 @@ from kinestatics.plots.artists import (
 )
 from kinestatics.plots.bodies import ellipsoid_body, polytope_body
 from kinestatics.plots.boxes import Surroundings, Wanted, boxes_about, lengths_inside, spread
-from kinestatics.plots.skeleton import plane_of, skeleton
 from kinestatics.plots.words import merged, places
+from kinestatics.skeleton import plane_of, skeleton
 from strategies import features
 
 mpl.use("Agg")
@@ -43,7 +43,7 @@ NAMED = (
 )  # fmt: skip
 BENT, STRAIGHT = [0.4, 0.9], [0.4, 0.0]
 Q = {"ur5e": [0.3, -1.2, 1.4, 0.2, 0.5, 0.1], "panda": None, "scara": None}
-BLUE, ORANGE = mpl.colors.to_rgba(style.VELOCITY), mpl.colors.to_rgba(style.FORCE)
+BLUE, ORANGE = mpl.colors.to_rgba(palette.VELOCITY), mpl.colors.to_rgba(palette.FORCE)
 
 
 @pytest.fixture(autouse=True)
@@ -225,10 +225,10 @@ def links_on_paper(ax):
     """(k, 2) points in pixels along the links and rods."""
     steps = np.linspace(0.0, 1.0, 200)[:, None]
     if ax.name == "3d":
-        lines = [line for color in (style.LINK, style.EDGE) for line in lines_of(ax, mpl.colors.to_rgba(color))]
+        lines = [line for color in (palette.LINK, palette.EDGE) for line in lines_of(ax, mpl.colors.to_rgba(color))]
         lines = [np.stack(proj3d.proj_transform(*line.T, ax.M)[:2], -1) for line in lines]
     else:
-        lines = [line.get_xydata() for line in ax.lines if line.get_color() == style.LINK]
+        lines = [line.get_xydata() for line in ax.lines if line.get_color() == palette.LINK]
     return ax.transData.transform(np.concatenate([a + steps * (b - a) for a, b in lines]))
 
 
@@ -375,7 +375,7 @@ def test_a_tree_is_drawn_with_all_branches(tmp_path):
     for link in ("left", "right", "far"):
         p = ks.pose(tree, q, at=link).translation[:2]
         assert np.linalg.norm(drawn - p, axis=1).min() < 1e-12
-    rods = [line.get_xydata() for line in ax.lines if line.get_color() == style.EDGE and len(line.get_xydata()) == 2]
+    rods = [line.get_xydata() for line in ax.lines if line.get_color() == palette.EDGE and len(line.get_xydata()) == 2]
     assert any(abs(np.linalg.norm(rod[1] - rod[0]) - 0.2) < 1e-12 for rod in rods)
     if tree.tip is None:
         with pytest.raises(ks.UnknownNameError) as caught:

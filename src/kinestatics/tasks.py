@@ -65,7 +65,16 @@ def characteristic_length(model: RobotModel, at: str = TIP) -> float:
         2.0
     """
     _require_numbers(model)
-    path = model.path(model.link_joints[model.link(at)])
+    link = model.link(at)
+    known: dict[int, float] = model.__dict__.setdefault("_lengths", {})  # of a model that cannot change
+    if link not in known:
+        known[link] = _reach(model, link)
+    return known[link]
+
+
+def _reach(model: RobotModel, link: int) -> float:
+    """The sum of the hops from axis to axis, and to the link, in the middle of the joints' ranges [m]."""
+    path = model.path(model.link_joints[link])
     q = np.array(
         [
             0.5 * (lo + hi) if np.isfinite(lo) and np.isfinite(hi) else home
@@ -75,7 +84,7 @@ def characteristic_length(model: RobotModel, at: str = TIP) -> float:
     array, xp = as_array(q)
     poses = definition.joint_poses(model, array, xp)
     points = [poses.p[joint] + poses.R[joint] @ _axis_point(model.screws[joint]) for joint in path]
-    _, end = definition.link_pose(model, poses, model.link(at), array, xp)
+    _, end = definition.link_pose(model, poses, link, array, xp)
     hops = [float(np.linalg.norm(b - a)) for a, b in zip(points, [*points[1:], end], strict=True)] if points else []
     hops += [abs(float(screw[ANGULAR] @ screw[LINEAR])) for screw in model.screws[list(path)]]
     reach, largest = sum(hops), _largest_dimension(model)
@@ -140,21 +149,19 @@ def find_task(
     """
     _require_numbers(model)
     samples, known = _samples(model, at, frame, relative_to)
-    if not isinstance(task, str):
-        rows = named_rows(task)
-        return Task(rows, _rank(samples, rows), "rows", "the rows asked for")
-    if (found := known.get(task)) is None:
+    asked = task if isinstance(task, str) else named_rows(task)
+    if (found := known.get(asked)) is None:
         if len(known) >= _CACHED_SAMPLES:
             known.clear()
-        found = known[task] = _task_in_words(samples, task)
+        found = known[asked] = _task_in_words(samples, asked)
     return found
 
 
-def _task_in_words(samples: Array, task: str) -> Task:
-    if task in TASKS:
-        return Task(TASKS[task], _rank(samples, TASKS[task]), task, f"the task asked for is {task!r}")
+def _task_in_words(samples: Array, task: str | tuple[int, ...]) -> Task:
     if task == "auto":
         return _automatic(samples)
+    if isinstance(task, str) and task in TASKS:
+        return Task(TASKS[task], _rank(samples, TASKS[task]), task, f"the task asked for is {task!r}")
     rows = named_rows(task)
     return Task(rows, _rank(samples, rows), "rows", "the rows asked for")
 
@@ -215,14 +222,14 @@ def _row_index(row: Any) -> int:
 
 def _samples(
     model: RobotModel, at: str, frame: Frame | None, relative_to: str | None = None
-) -> tuple[Array, dict[str, Task]]:
+) -> tuple[Array, dict[str | tuple[int, ...], Task]]:
     """Jacobians at fixed pseudo-random configurations, with lengths in units of the arm's reach: (samples, 6, n).
 
     Kept for the next question, together with the tasks found in them.
     """
     reference = None if relative_to is None else model.link(relative_to)
     key = (model.link(at), frame if frame is None else named_frame(model, frame), reference)
-    known: dict[Any, tuple[Array, dict[str, Task]]] = model.__dict__.setdefault("_samples", {})
+    known: dict[Any, tuple[Array, dict[str | tuple[int, ...], Task]]] = model.__dict__.setdefault("_samples", {})
     if (found := known.get(key)) is None:
         if len(known) >= _CACHED_SAMPLES:
             known.clear()

@@ -38,6 +38,7 @@ def analyze(
     at: str = TIP,
     gravity: Sequence[float] = STANDARD_GRAVITY,
     singularities: bool = False,
+    brief: bool = False,
 ) -> Analysis:
     """What can this arm do, here?
 
@@ -51,6 +52,8 @@ def analyze(
         gravity: (3) in base axes [m/s²]; `gravity_in_base("ceiling")` for a mounted base.
         singularities: whether to find the arm's singular set too, and how far it is from here (extra `symbolic`; about a
             second, more for arms with spare joints). Where it cannot be had, a note says why.
+        brief: whether to leave out what the limits allow (abilities, payload), the bearings and the share of each link in
+            gravity: a third of the time, for pages that follow a moving arm.
 
     Returns:
         Analysis.
@@ -79,7 +82,7 @@ def analyze(
     notes: list[str] = []
     velocity, force = ellipsoids(J, found)
     near = nearest_singularities(model, values, found, at, notes) if singularities else None
-    able, speed_rows = abilities(model, values, J, found, down, notes)
+    able, speed_rows = ((), ()) if brief else abilities(model, values, J, found, down, notes)
     return Analysis(
         robot=model.name,
         base=model.base,
@@ -106,9 +109,9 @@ def analyze(
         abilities=able,
         speed_rows=speed_rows,
         payloads={name: float(model.masses[model.link(name)]) for name in model.payloads},
-        payload_capacity=greatest_payload(model, values, J, down),
+        payload_capacity=None if brief else greatest_payload(model, values, J, down),
         gravity=down,
-        **held(model, values, J, wrench, down, notes),
+        **held(model, values, J, wrench, down, notes, brief),
         effort_limits=model.effort_limits,
         margins=_margins(model, values),
         near=near,

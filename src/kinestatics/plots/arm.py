@@ -11,10 +11,10 @@ from ..errors import UnknownNameError
 from ..frames import TIP
 from ..model import RobotModel
 from ..namespaces import Array
+from ..palette import EDGE, FACE, FRAME, GROUND, LINK
+from ..skeleton import DrawnJoint, Skeleton, one_configuration, skeleton
 from .axes import canvas_for
 from .canvas import ARM, BACK, SIGN, Canvas, Flat
-from .skeleton import DrawnJoint, Skeleton, one_configuration, skeleton
-from .style import EDGE, FACE, FRAME, GROUND, LINK
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

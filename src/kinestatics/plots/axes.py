@@ -7,9 +7,9 @@ from typing import Any
 
 from ..errors import ConfigurationError
 from ..model import RobotModel
+from ..skeleton import plane_of
 from .canvas import Canvas, Flat
 from .layout import Place, wrong_axes
-from .skeleton import plane_of
 from .space import Space
 from .style import COLUMN, VIEW, new_figure, require_matplotlib
 

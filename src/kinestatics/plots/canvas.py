@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 
 from ..namespaces import Array
+from ..palette import EDGE, TEXT
 from ..quantities import format_number
 from .layout import draw_key, place_of, settle
-from .style import EDGE, LABEL_SIZE, SMALL_SIZE, TEXT, TICK_SIZE, round_down
+from .style import LABEL_SIZE, SMALL_SIZE, TICK_SIZE, round_down
 from .words import place_names
 
 BACK, BODY, ARM, SIGN, TOP = 0.0, 10.0, 20.0, 30.0, 40.0

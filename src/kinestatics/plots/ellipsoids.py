@@ -11,12 +11,12 @@ from ..frames import TIP
 from ..kinematics import jacobian
 from ..model import RobotModel
 from ..namespaces import Array
+from ..skeleton import Skeleton
 from ..spatial import LINEAR
 from ..tasks import without_rounding
 from .bodies import ellipsoid_body
 from .canvas import Canvas, Flat
 from .shapes import begin, clip_length, draw_body, metres_per_unit
-from .skeleton import Skeleton
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

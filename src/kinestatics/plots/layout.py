@@ -10,7 +10,8 @@ import numpy as np
 
 from ..errors import ArrayTypeError
 from ..namespaces import Array
-from .style import TEXT, TICK_SIZE, round_number
+from ..palette import TEXT
+from .style import TICK_SIZE, round_number
 
 TALLEST = 3.3
 """Of a figure of one column [in], its key aside."""

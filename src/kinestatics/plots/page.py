@@ -9,6 +9,7 @@ import numpy as np
 from ..analysis import Analysis
 from ..errors import ArrayTypeError
 from ..model import RobotModel
+from ..palette import EDGE, FORCE, GRAVITY, LINK, TEXT, VELOCITY
 from ..quantities import format_number
 from ..tasks import model_of
 from .axes import Cell, new_axes
@@ -16,20 +17,7 @@ from .ellipsoids import force_ellipsoid, velocity_ellipsoid
 from .layout import place_of, settle
 from .screws import draw_screws
 from .shapes import begin
-from .style import (
-    EDGE,
-    FORCE,
-    GRAVITY,
-    LABEL_SIZE,
-    LINK,
-    PAGE,
-    SMALL_SIZE,
-    TEXT,
-    TICK_SIZE,
-    VELOCITY,
-    new_figure,
-    require_matplotlib,
-)
+from .style import LABEL_SIZE, PAGE, SMALL_SIZE, TICK_SIZE, new_figure, require_matplotlib
 from .torques import WITHOUT_WEIGHT, analysis_parts, draw_bars
 
 if TYPE_CHECKING:

@@ -16,11 +16,12 @@ from ..frames import TIP
 from ..kinematics import configuration, jacobian, require_model
 from ..model import RobotModel
 from ..namespaces import Array, as_array
+from ..palette import FORCE, TEXT, VELOCITY
 from ..quantities import Jacobian
 from ..spatial import LINEAR_ROWS
 from .axes import is_axes, new_axes
 from .layout import draw_key, place_of, settle
-from .style import FORCE, LABEL_SIZE, TEXT, TICK_SIZE, VELOCITY
+from .style import LABEL_SIZE, TICK_SIZE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

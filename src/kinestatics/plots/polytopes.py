@@ -11,11 +11,11 @@ from .._kernels import STANDARD_GRAVITY
 from ..dexterity import Polytope, force_polytope as force, velocity_polytope as velocity
 from ..frames import TIP
 from ..model import RobotModel
+from ..palette import FORCE
+from ..skeleton import Skeleton
 from .bodies import polytope_body
 from .canvas import Canvas, Flat
 from .shapes import begin, clip_length, draw_body, metres_per_unit
-from .skeleton import Skeleton
-from .style import FORCE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

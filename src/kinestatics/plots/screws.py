@@ -13,13 +13,14 @@ from ..analysis import Analysis, analyze
 from ..frames import TIP
 from ..model import RobotModel
 from ..namespaces import Array
+from ..palette import FORCE, VELOCITY
 from ..screws_in_words import Screw
+from ..skeleton import Skeleton, one_configuration
 from .arm import across
 from .canvas import SIGN, Canvas, Flat
 from .shapes import begin
 from .signs import double_arrow, turning_arrow
-from .skeleton import Skeleton, one_configuration
-from .style import COLUMN, FORCE, VELOCITY
+from .style import COLUMN
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -9,12 +9,13 @@ import numpy as np
 from ..errors import ConfigurationError
 from ..model import RobotModel
 from ..namespaces import Array
+from ..palette import FORCE, VELOCITY
+from ..skeleton import Skeleton, one_configuration, skeleton
 from .arm import check_frames, draw_arm
 from .axes import canvas_for
 from .bodies import Body
 from .canvas import BODY, Canvas
-from .skeleton import Skeleton, one_configuration, skeleton
-from .style import FORCE, VELOCITY, round_number, with_unit
+from .style import round_number, with_unit
 
 _SHOWN, _SHOWN_BESIDE = 0.33, 0.2
 """Length at which the farthest point is drawn, as a share of the arm's size; and beside a direction without end."""

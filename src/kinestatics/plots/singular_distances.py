@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..namespaces import Array
+from ..palette import TEXT
 from ..singular_sets import SingularSet
 from .axes import is_axes, new_axes
 from .layout import draw_key, place_of, settle
 from .paths import checked_path, checked_times
 from .singular import color_of, require_set
-from .style import LABEL_SIZE, TEXT, TICK_SIZE
+from .style import LABEL_SIZE, TICK_SIZE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

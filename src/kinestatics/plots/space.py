@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 
 from ..namespaces import Array
+from ..palette import GRID, TEXT
 from .canvas import TOP, WORDS, Canvas, halo
 from .layout import fill, measure
-from .style import GRID, LABEL_SIZE, SMALL_SIZE, TEXT, TICK_SIZE
+from .style import LABEL_SIZE, SMALL_SIZE, TICK_SIZE
 
 
 class Space(Canvas):

@@ -8,13 +8,6 @@ from typing import Any, Final
 
 from ..errors import missing_extra
 
-VELOCITY: Final = "#0072B2"
-"""Blue of Okabe and Ito: everything that moves."""
-FORCE: Final = "#D55E00"
-"""Vermilion of Okabe and Ito: everything that pushes."""
-LINK, EDGE, FACE, GROUND, TEXT, FRAME = "#8c8c8c", "#4d4d4d", "#f2f2f2", "#9a9a9a", "#262626", "#333333"
-GRID, GRAVITY = "#e3e3e3", "#bdbdbd"
-
 COLUMN: Final = 3.35
 """Width of a column of text [in]: 85 mm."""
 PAGE: Final = 7.0

@@ -13,6 +13,8 @@ from ..frames import TIP
 from ..kinematics import pose
 from ..model import RobotModel
 from ..namespaces import Array
+from ..palette import EDGE, FORCE, GRAVITY, TEXT
+from ..skeleton import Skeleton, one_configuration, skeleton
 from ..spatial import ANGULAR, LINEAR
 from ..statics import Load, Loads, applied_loads, gravity_torques, holding_torques, missing_masses
 from .arm import draw_arm
@@ -20,8 +22,7 @@ from .axes import Cell, canvas_for, is_axes, new_axes
 from .canvas import TOP, Canvas
 from .layout import draw_key, place_of, settle
 from .signs import turning_arrow
-from .skeleton import Skeleton, one_configuration, skeleton
-from .style import COLUMN, EDGE, FORCE, GRAVITY, LABEL_SIZE, SMALL_SIZE, TEXT, TICK_SIZE, new_figure
+from .style import COLUMN, LABEL_SIZE, SMALL_SIZE, TICK_SIZE, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

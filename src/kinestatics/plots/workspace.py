@@ -9,10 +9,11 @@ import numpy as np
 
 from ..errors import ArrayTypeError
 from ..namespaces import Array
+from ..palette import FORCE, TEXT, VELOCITY
 from ..singular_sets.workspace import Outline, WorkspaceSection
 from .axes import is_axes, new_axes
 from .layout import draw_key, place_of, settle
-from .style import FORCE, LABEL_SIZE, TEXT, TICK_SIZE, VELOCITY
+from .style import LABEL_SIZE, TICK_SIZE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -1,4 +1,4 @@
-"""The points a picture of an arm is drawn through: joints, links and frames at one posture, in base axes. No matplotlib."""
+"""The points an arm is drawn through: joints, links and frames at one posture, in base axes. Floor 9."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from .. import definition
-from ..errors import ArrayTypeError, ConfigurationError, UnknownNameError
-from ..frames import TIP
-from ..kinematics import configuration, require_model
-from ..model import RobotModel
-from ..namespaces import Array, as_array
-from ..spatial import ANGULAR, LINEAR
-from ..tasks import characteristic_length
+from . import definition
+from .errors import ArrayTypeError, ConfigurationError, UnknownNameError
+from .frames import TIP
+from .kinematics import configuration, require_model
+from .model import RobotModel
+from .namespaces import Array, as_array
+from .spatial import ANGULAR, LINEAR
+from .tasks import characteristic_length
 
 _SAME = 1e-9  # sines of angles, and lengths as a share of the size, below which two things are one
 
