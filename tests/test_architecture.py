@@ -37,6 +37,7 @@ FLOORS = {
     "evaluator": 8,
     "grasps": 8,
     "analysis": 9,
+    "bodies": 9,
     "skeleton": 9,
     "plots": 10,
     "scene": 10,

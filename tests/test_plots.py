@@ -17,6 +17,7 @@ from mpl_toolkits.mplot3d import proj3d
 
 import kinestatics as ks
 from kinestatics import palette, plots
+from kinestatics.bodies import ellipsoid_body, polytope_body
 from kinestatics.plots import style
 from kinestatics.plots.artists import (
     FlatArrow,
@@ -29,7 +30,6 @@ from kinestatics.plots.artists import (
     arrow_outline,
     hull,
 )
-from kinestatics.plots.bodies import ellipsoid_body, polytope_body
 from kinestatics.plots.boxes import Surroundings, Wanted, boxes_about, lengths_inside, spread
 from kinestatics.plots.words import merged, places
 from kinestatics.skeleton import plane_of, skeleton

@@ -91,10 +91,7 @@ def skeleton(model: RobotModel, q: Array, at: str = TIP, required: bool = False)
     tip_index = model.link(at) if required else _tip_index(model, at)
     array, xp = as_array(q)
     poses = definition.joint_poses(model, array, xp)
-    joints: list[DrawnJoint] = []
-    for i, parent in enumerate(model.parents):
-        before = joints[parent].end if parent >= 0 else np.zeros(3)
-        joints.append(_joint(model, poses, i, before, q))
+    joints = _joints(model, poses, q)
     lines = [
         line for i, p in enumerate(model.parents) for line in _link(joints, p, joints[i].point, _foot(joints, poses, i, p))
     ]
@@ -117,6 +114,35 @@ def skeleton(model: RobotModel, q: Array, at: str = TIP, required: bool = False)
     )
 
 
+def rigid_lines(model: RobotModel, at: str = TIP) -> tuple[tuple[int, Array], ...]:
+    """The lines of the links, each with what carries it: they move with it, and keep their shape at every posture.
+
+    Returns:
+        Pairs of a moving joint (-1: the base) and (2, 3) in the axes of its frame [m].
+
+    Example:
+        >>> import kinestatics as ks
+        >>> [(carrier, float(np.linalg.norm(line[1] - line[0]))) for carrier, line in rigid_lines(ks.load("planar_2r"))]
+        [(0, 1.0), (1, 1.0)]
+    """
+    q = one_configuration(model, None)
+    array, xp = as_array(q)
+    poses = definition.joint_poses(model, array, xp)
+    joints = _joints(model, poses, q)
+    found = [(p, _link(joints, p, joints[i].point, _foot(joints, poses, i, p))) for i, p in enumerate(model.parents)]
+    found += [(i, _link(joints, i, _leaf(model, poses, i, q))) for i in range(len(joints)) if i not in model.parents]
+    if (tip := _tip_index(model, at)) is not None:
+        carrier = model.link_joints[tip]
+        found.append((carrier, _link(joints, carrier, definition.link_pose(model, poses, tip, array, xp)[1])))
+    size = _size(model, [*(joint.point for joint in joints), *(end for _, line in found for _, end in line)], None)
+    kept: list[tuple[int, Array]] = []
+    for carrier in sorted({carrier for carrier, _ in found}):
+        R, p = (np.eye(3), np.zeros(3)) if carrier < 0 else (poses.R[carrier], poses.p[carrier])
+        lines = [line for owner, several in found if owner == carrier for line in several]
+        kept += [(carrier, (line - p) @ R) for line in _distinct(lines, size)]
+    return tuple(kept)
+
+
 def _tip_index(model: RobotModel, at: str) -> int | None:
     """The link asked for; None where a robot without a tip is drawn as a whole."""
     try:
@@ -125,6 +151,15 @@ def _tip_index(model: RobotModel, at: str) -> int | None:
         if at == TIP and model.tip is None:
             return None
         raise
+
+
+def _joints(model: RobotModel, poses: definition.JointPoses, q: Array) -> list[DrawnJoint]:
+    """All moving joints, parents first."""
+    joints: list[DrawnJoint] = []
+    for i, parent in enumerate(model.parents):
+        before = joints[parent].end if parent >= 0 else np.zeros(3)
+        joints.append(_joint(model, poses, i, before, q))
+    return joints
 
 
 def _joint(model: RobotModel, poses: definition.JointPoses, i: int, before: Array, q: Array) -> DrawnJoint:

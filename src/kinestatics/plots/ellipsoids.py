@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..bodies import ellipsoid_body
 from ..dexterity import Ellipsoid, force_ellipsoid as force, velocity_ellipsoid as velocity
 from ..frames import TIP
 from ..kinematics import jacobian
@@ -14,7 +15,6 @@ from ..namespaces import Array
 from ..skeleton import Skeleton
 from ..spatial import LINEAR
 from ..tasks import without_rounding
-from .bodies import ellipsoid_body
 from .canvas import Canvas, Flat
 from .shapes import begin, clip_length, draw_body, metres_per_unit
 

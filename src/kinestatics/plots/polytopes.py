@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .._kernels import STANDARD_GRAVITY
+from ..bodies import polytope_body
 from ..dexterity import Polytope, force_polytope as force, velocity_polytope as velocity
 from ..frames import TIP
 from ..model import RobotModel
 from ..palette import FORCE
 from ..skeleton import Skeleton
-from .bodies import polytope_body
 from .canvas import Canvas, Flat
 from .shapes import begin, clip_length, draw_body, metres_per_unit
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ..bodies import Body
 from ..errors import ConfigurationError
 from ..model import RobotModel
 from ..namespaces import Array
@@ -13,7 +14,6 @@ from ..palette import FORCE, VELOCITY
 from ..skeleton import Skeleton, one_configuration, skeleton
 from .arm import check_frames, draw_arm
 from .axes import canvas_for
-from .bodies import Body
 from .canvas import BODY, Canvas
 from .style import round_number, with_unit
 

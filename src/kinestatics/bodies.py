@@ -1,14 +1,15 @@
-"""Ellipsoids and polytopes as things to draw: lines, points that span them, and lines that go on. No matplotlib."""
+"""Ellipsoids and polytopes as things to draw: lines, points that span them, and lines that go on. Floor 9."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from itertools import combinations, product
 
 import numpy as np
 
-from ..dexterity import Polytope
-from ..namespaces import Array
+from .dexterity import Polytope
+from .namespaces import Array
 
 _AROUND = 96  # points of a closed curve
 _ON = 1e-8  # of its size: how far a corner may be from a facet that holds it
@@ -79,9 +80,14 @@ def _surface(spokes: list[Array], k: int) -> Array:
     """Points whose hull is the bounded part."""
     if len(spokes) < 3:
         return np.concatenate([np.array(_feet(spokes, k)), *_sections(spokes)])
+    return _ball() @ np.stack(spokes)
+
+
+@cache
+def _ball() -> Array:
+    """Points all over a unit sphere."""
     around, height = _circle(36)[:-1], np.sin(np.linspace(-np.pi / 2, np.pi / 2, 19))
-    ball = [[*(np.sqrt(1 - h * h) * c), h] for h in height for c in around]
-    return np.array(ball) @ np.stack(spokes)
+    return np.array([[*(np.sqrt(1 - h * h) * c), h] for h in height for c in around])
 
 
 def polytope_body(polytope: Polytope, clip: float) -> Body:

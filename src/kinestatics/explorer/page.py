@@ -1,0 +1,111 @@
+"""The page: the scene, the line that says what is the case, and tabs. It renders a session, and asks it for changes."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from ..errors import KinestaticsError
+from ..scene.arm_scene import ArmScene, fitting_view
+from ..scene.shapes import Solid
+from .files_tab import FilesTab
+from .jacobian_tab import JacobianTab
+from .joints_tab import JointsTab
+from .motion_tab import MotionTab
+from .session import Session
+from .singular_tab import SingularTab
+from .statics_tab import StaticsTab
+from .tables import ready, verdict
+from .tool import Tool
+from .view_tab import ViewTab
+from .words import shown_name
+
+
+class Page:
+    """A page on a server of viser; everyone who opens it sees, and moves, the same arm.
+
+    Attributes:
+        session: what it is about; tabs by name: joints, statics, singular, jacobian, motion, view, files; tool: the gizmo.
+    """
+
+    def __init__(self, server: Any, session: Session, solids: Sequence[tuple[str, Solid]], seed: int = 0) -> None:
+        self.server, self.session = server, session
+        self._words, self._drawing = "", threading.RLock()
+        gui = server.gui
+        gui.configure_theme(show_logo=False, show_share_button=False, control_width="large", brand_color=(0, 114, 178))
+        gui.main_panel.dock_right()
+        gui.set_panel_label(shown_name(session.model.name))
+        self.scene = ArmScene(server, session.model, solids)
+        self.verdict = gui.add_html("")
+        tabs = gui.add_tab_group()
+        with tabs.add_tab("Joints"):
+            self.joints = JointsTab(gui, session, seed)
+        with tabs.add_tab("Statics"):
+            self.statics = StaticsTab(gui, session, self.attempt)
+        with tabs.add_tab("Singular"):
+            self.singular = SingularTab(gui, session, self.attempt, self.tell)
+            self.singular.changed = self._say
+        with tabs.add_tab("Jacobian"):
+            self.jacobian = JacobianTab(gui, session)
+        with tabs.add_tab("Motion"):
+            self.motion = MotionTab(gui, session)
+        with tabs.add_tab("View"):
+            self.view = ViewTab(gui, self.scene.body.has_solids, fitting_view(session.analysis, self.scene.size), self.draw)
+        with tabs.add_tab("Files"):
+            self.files = FilesTab(gui, session, self.attempt, self.tell, self.scene_html, self.report_html)
+        self.tool = Tool(server, session, self.scene.size, self.scene.plane, self.tell)
+        session.listen(self.refresh)
+        self.refresh()
+        gui.add_html(ready())  # the last message: a client that shows it has shown all the others
+
+    def attempt(self, action: Callable[[], None]) -> None:
+        """Does what a reader asked for; what goes wrong is said on the page, and nothing is changed."""
+        try:
+            action()
+        except (KinestaticsError, ArithmeticError, ValueError) as error:
+            self.tell(str(error))
+
+    def tell(self, words: str) -> None:
+        """Says something in the line at the top."""
+        self._words = words
+        self._say()
+
+    def refresh(self) -> None:
+        """Everything to the session; in one batch, so that nothing is seen half moved."""
+        with self._drawing, self.server.atomic():
+            self._words = ""
+            self.joints.refresh()
+            self.statics.refresh()
+            self.jacobian.refresh()
+            self.motion.refresh()
+            self.singular.refresh()
+            self.tool.refresh()
+            self._say()
+            self.draw()
+
+    def draw(self) -> None:
+        """The scene, as the choices of the view say."""
+        view = self.view.view
+        velocity, force, notes = self.session.polytopes(view.velocity == "polytope", view.force == "polytope")
+        with self._drawing:
+            self.scene.update(self.session.analysis, view, (velocity, force))
+        if notes:
+            self.tell("; ".join(notes))
+
+    def close(self) -> None:
+        """Ends what runs beside the page."""
+        self.singular.worker.stop()
+        self.tool.worker.stop()
+
+    def scene_html(self) -> str:
+        """The scene as it is seen, in one file that needs no server."""
+        return self.server.get_scene_serializer().as_html()
+
+    def report_html(self) -> str:
+        """A report of the present situation."""
+        return self.session.whole_analysis().to_html()
+
+    def _say(self) -> None:
+        with self._drawing:
+            self.verdict.content = verdict(self.session.analysis, self.singular.near, self._words)

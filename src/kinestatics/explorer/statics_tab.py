@@ -1,0 +1,50 @@
+"""A wrench at the tip, a payload, the mount; and bars of the torques that hold them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from .session import LOAD, PUSH, Session
+from .tables import torques
+
+_MOUNTS = ("floor", "wall", "ceiling")
+
+
+class StaticsTab:
+    """What the arm carries and what carrying it takes."""
+
+    def __init__(self, gui: Any, session: Session, attempt: Callable[[Callable[[], None]], None]) -> None:
+        self._session = session
+        s = session.situation
+        self.acts = gui.add_dropdown("wrench is", (LOAD, PUSH), initial_value=s.acts)
+        self.force = gui.add_vector3("force [N]", s.force, step=0.1, hint="at the origin of the tip, along the axes of base")
+        self.torque = gui.add_vector3("torque [N m]", s.torque, step=0.01, hint="axes of base")
+        self.mass = gui.add_number("payload [kg]", s.mass, min=0.0, step=0.1, hint="a point mass that the tip holds")
+        self.center = gui.add_vector3("its centre [m]", s.center, step=0.001, hint="in axes of the tip, from its origin")
+        mounts = _MOUNTS if s.mount in _MOUNTS else ("as given", *_MOUNTS)
+        self._given = s.mount
+        self.mount = gui.add_dropdown(
+            "base stands on", mounts, initial_value=mounts[0] if s.mount not in mounts else s.mount
+        )
+        for handle in (self.acts, self.force, self.torque, self.mass, self.center, self.mount):
+            handle.on_update(lambda event: attempt(self._asked) if event.client_id is not None else None)
+        self.table = gui.add_html("")
+
+    def _asked(self) -> None:
+        mount = self.mount.value
+        self._session.change(
+            acts=self.acts.value,
+            force=tuple(self.force.value),
+            torque=tuple(self.torque.value),
+            mass=self.mass.value,
+            center=tuple(self.center.value),
+            mount=self._given if mount == "as given" else mount,
+        )
+
+    def refresh(self) -> None:
+        """Inputs and bars to the situation."""
+        s = self._session.situation
+        self.force.value, self.torque.value, self.acts.value = s.force, s.torque, s.acts
+        self.mass.value, self.center.value = s.mass, s.center
+        self.table.content = torques(self._session.analysis)

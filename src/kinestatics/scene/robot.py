@@ -1,0 +1,142 @@
+"""The arm itself: its own solids where they are known, else links and joints; each moves with what carries it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from .. import definition
+from ..model import RobotModel
+from ..namespaces import Array, as_array
+from ..palette import EDGE, LINK, TEXT, rgb
+from ..skeleton import rigid_lines
+from ..spatial import ANGULAR, LINEAR, split_pose
+from .shapes import Solid, between, cylinder, quaternions
+
+_THICK, _JOINT, _AXIS = 0.018, 0.034, 0.11
+"""Radius of a link, radius of a joint and half its axis, as shares of the arm's size."""
+
+
+class RobotBody:
+    """An arm in a scene; `place` moves it.
+
+    Attributes:
+        has_solids: whether it is drawn with solids of its own (meshes), not only with links and joints.
+    """
+
+    def __init__(self, scene: Any, model: RobotModel, size: float, solids: Sequence[tuple[str, Solid]] = ()) -> None:
+        self._scene, self._model, self._size = scene, model, size
+        self._frames = [scene.add_frame(f"/robot/{i}", show_axes=False) for i in range(len(model.parents))]
+        self._solids = [self._solid(k, link, solid) for k, (link, solid) in enumerate(solids)]
+        self._bones = [*self._links(), *self._joints()]
+        self._axes = self._joint_axes()
+        self._rods = {i: self._rod(i) for i in self._sliding()}
+        self.has_solids = bool(self._solids)
+        self.show(solids=self.has_solids, bones=not self.has_solids, axes=True)
+
+    def show(self, *, solids: bool, bones: bool, axes: bool) -> None:
+        """What of the arm is seen."""
+        for group, visible in ((self._solids, solids), (self._bones, bones), (self._axes, axes)):
+            for handle in group:
+                handle.visible = visible
+        for handle in self._rods.values():
+            handle.visible = bones
+
+    def place(self, q: Array) -> None:
+        """Moves the arm to q (n)."""
+        array, xp = as_array(q)
+        poses = definition.joint_poses(self._model, array, xp)
+        if self._frames:
+            for frame, wxyz, p in zip(self._frames, quaternions(np.array(poses.R)), poses.p, strict=True):
+                frame.wxyz, frame.position = wxyz, p
+        for i, handle in self._rods.items():
+            screw = self._model.screws[i]
+            moved = self._model.multipliers[i] * q[self._model.columns[i]] + self._model.offsets[i]
+            along = poses.R[i] @ screw[LINEAR]
+            handle.wxyz, handle.position, handle.scale = between(poses.p[i] - moved * along, poses.p[i], 0.7 * self._thick)
+
+    @property
+    def _thick(self) -> float:
+        return _THICK * self._size
+
+    def _node(self, joint: int, name: str) -> str:
+        """The path of a part that a joint carries; -1 is the base."""
+        return f"/robot/{joint}/{name}" if joint >= 0 else f"/robot/base/{name}"
+
+    def _solid(self, k: int, link: str, solid: Solid) -> Any:
+        """A solid of a link, placed in the frame of the joint that carries it."""
+        index = self._model.link(link)
+        R, p = split_pose(self._model.link_placements[index])
+        vertices = solid.vertices @ R.T + p
+        color = solid.color or rgb(LINK)
+        node = self._node(self._model.link_joints[index], f"solid{k}")
+        return self._scene.add_mesh_simple(node, vertices, solid.faces, color=color, side="double", cast_shadow=False)
+
+    def _links(self) -> list[Any]:
+        """The links as rods, with round ends."""
+        made = []
+        for k, (carrier, line) in enumerate(rigid_lines(self._model)):
+            wxyz, position, scale = between(line[0], line[1], self._thick)
+            rod = cylinder()
+            node = self._node(carrier, f"link{k}")
+            options: dict[str, Any] = {"color": rgb(LINK), "cast_shadow": False}
+            made.append(
+                self._scene.add_mesh_simple(
+                    node, rod.vertices, rod.faces, wxyz=wxyz, position=position, scale=scale, **options
+                )
+            )
+            made += [
+                self._scene.add_icosphere(f"{node}end{e}", self._thick, subdivisions=2, position=end, **options)
+                for e, end in enumerate(line)
+            ]
+        return made
+
+    def _joints(self) -> list[Any]:
+        """A drum about the axis of a joint that turns, a block along that of one that slides."""
+        made = []
+        for i, (foot, direction, turns) in enumerate(self._axis_lines()):
+            half, radius = 1.5 * _JOINT * self._size, _JOINT * self._size
+            wxyz, position, scale = between(foot - half * direction, foot + half * direction, radius)
+            solid = cylinder() if turns else cylinder(4)
+            options: dict[str, Any] = {"color": rgb(EDGE), "cast_shadow": False, "flat_shading": not turns}
+            made.append(
+                self._scene.add_mesh_simple(
+                    self._node(i, "drum"), solid.vertices, solid.faces, wxyz=wxyz, position=position, scale=scale, **options
+                )
+            )
+        return made
+
+    def _joint_axes(self) -> list[Any]:
+        """A line along the axis of every joint, and its number."""
+        made = []
+        for i, (foot, direction, _) in enumerate(self._axis_lines()):
+            reach = _AXIS * self._size * direction
+            line = np.array([[foot - reach, foot + reach]], dtype=np.float32)
+            made.append(
+                self._scene.add_line_segments(
+                    self._node(i, "axis"), line, rgb(TEXT), thickness=2.0, thickness_units="screen"
+                )
+            )
+            number = str(self._model.columns[i] + 1)
+            made.append(self._scene.add_label(self._node(i, "number"), number, position=foot + 1.15 * reach))
+        return made
+
+    def _axis_lines(self) -> list[tuple[Array, Array, bool]]:
+        """Of every moving joint, in its own frame: a point of its axis, the axis' direction, whether it turns."""
+        found = []
+        for screw in self._model.screws:
+            turns = bool(np.any(screw[ANGULAR]))
+            direction = screw[ANGULAR] if turns else screw[LINEAR]
+            foot = np.cross(screw[ANGULAR], screw[LINEAR]) if turns else np.zeros(3)
+            found.append((foot, direction, turns))
+        return found
+
+    def _sliding(self) -> list[int]:
+        return [i for i, (_, _, turns) in enumerate(self._axis_lines()) if not turns]
+
+    def _rod(self, i: int) -> Any:
+        """What a sliding joint has pushed out."""
+        rod = cylinder()
+        return self._scene.add_mesh_simple(f"/robot/rod{i}", rod.vertices, rod.faces, color=rgb(EDGE), cast_shadow=False)
