@@ -53,6 +53,10 @@ if TYPE_CHECKING:
     from .evaluator import (
         Evaluator as Evaluator,
     )
+    from .explorer import (
+        Explorer as Explorer,
+        explore as explore,
+    )
     from .frames import (
         Frame as Frame,
     )
@@ -71,8 +75,12 @@ if TYPE_CHECKING:
         PrioritizedRates as PrioritizedRates,
         RateLimits as RateLimits,
         RateSolver as RateSolver,
+        SelfMotion as SelfMotion,
+        TipMotion as TipMotion,
         joint_rates as joint_rates,
+        move_tip as move_tip,
         prioritized_rates as prioritized_rates,
+        self_motion as self_motion,
     )
     from .kinematics import (
         acceleration as acceleration,
@@ -85,6 +93,10 @@ if TYPE_CHECKING:
     )
     from .model import (
         RobotModel as RobotModel,
+    )
+    from .notebook import (
+        Shown as Shown,
+        show as show,
     )
     from .quantities import (
         Acceleration as Acceleration,
@@ -104,6 +116,10 @@ if TYPE_CHECKING:
     )
     from .robots.dh import (
         from_dh as from_dh,
+    )
+    from .robots.inspection import (
+        Inspection as Inspection,
+        inspect_robot as inspect_robot,
     )
     from .robots.loading import (
         load as load,
@@ -196,6 +212,10 @@ _CONTENTS = {  # what is public and where it is defined; a module is imported wh
         "UnknownNameError",
     ),
     "evaluator": ("Evaluator",),
+    "explorer": (
+        "Explorer",
+        "explore",
+    ),
     "frames": ("Frame",),
     "grasps": (
         "Contact",
@@ -212,8 +232,12 @@ _CONTENTS = {  # what is public and where it is defined; a module is imported wh
         "PrioritizedRates",
         "RateLimits",
         "RateSolver",
+        "SelfMotion",
+        "TipMotion",
         "joint_rates",
+        "move_tip",
         "prioritized_rates",
+        "self_motion",
     ),
     "kinematics": (
         "acceleration",
@@ -243,6 +267,10 @@ _CONTENTS = {  # what is public and where it is defined; a module is imported wh
         "velocity_polytope",
     ),
     "model": ("RobotModel",),
+    "notebook": (
+        "Shown",
+        "show",
+    ),
     "quantities": (
         "Acceleration",
         "Hessian",
@@ -258,6 +286,10 @@ _CONTENTS = {  # what is public and where it is defined; a module is imported wh
     ),
     "robots.catalogue": ("catalogue_names",),
     "robots.dh": ("from_dh",),
+    "robots.inspection": (
+        "Inspection",
+        "inspect_robot",
+    ),
     "robots.loading": ("load",),
     "robots.screws": (
         "from_screws",
