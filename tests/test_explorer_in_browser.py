@@ -46,7 +46,7 @@ def q_of(explorer):
 
 
 def show_tab(tab, name):
-    tab.page.get_by_role("tab", name=name, exact=True).click()
+    tab.page.get_by_role("tab", name=name, exact=True).press("Enter")
 
 
 def read(tab, quantity, attribute="data-value"):
@@ -61,10 +61,14 @@ def verdict(tab):
 
 
 def type_number(box, value):
-    box.click()
-    box.press("Control+a")
-    box.press_sequentially(str(value))
+    """Into a box, as one who comes to it with the tabulator; no mouse, so that nothing waits for frames to be drawn."""
+    box.fill(str(value))
     box.press("Enter")
+
+
+def press(tab, name):
+    """A button, by the keyboard."""
+    tab.page.get_by_role("button", name=name).press("Enter")
 
 
 def number_boxes(tab):
@@ -204,7 +208,7 @@ def test_button_lands_on_the_nearest_singularity(page_of, ur5e):
     nearest = ur5e.page.singular._found.distance(REGULAR)[0]
     tab = opened(page_of, ur5e)
     show_tab(tab, "Singular")
-    tab.page.get_by_role("button", name="go there").click()
+    press(tab, "go there")
     tab.wait_until(lambda: verdict(tab)[0], 30)
     a = ur5e.session.analysis
     assert a.singular_values[-1] / a.singular_values[0] < 1e-9
@@ -220,7 +224,7 @@ def test_null_motion_of_the_wrist_leaves_the_tip(page_of, ur5e):
     before = np.array(ur5e.session.analysis.pose)
     tab = opened(page_of, ur5e)
     show_tab(tab, "Singular")
-    tab.page.get_by_role("button", name="take the null motion").click()
+    press(tab, "take the null motion")
     slider = tab.page.locator("[role=slider]:visible").last
     tab.wait_until(lambda: ur5e.page.singular._path is not None)
     slider.focus()
@@ -281,14 +285,14 @@ def test_postures_are_kept_and_downloaded(page_of, ur5e, tmp_path):
     """A kept posture comes back exactly; the file holds it; a file of another robot is refused with the reason."""
     tab = opened(page_of, ur5e)
     show_tab(tab, "Files")
-    tab.page.get_by_role("button", name="keep this posture").click()
+    press(tab, "keep this posture")
     tab.wait_until(lambda: bool(ur5e.page.files.kept))
     with tab.page.expect_download() as download:
-        tab.page.get_by_role("button", name="download the postures").click()
+        press(tab, "download the postures")
     data = json.loads(Path(download.value.path()).read_text())
     assert data["postures"][0]["q"] == REGULAR
     ur5e.session.change(q=np.zeros(6))
-    tab.page.get_by_role("button", name="go to it").click()
+    press(tab, "go to it")
     tab.wait_until(lambda: np.array_equal(q_of(ur5e), REGULAR))
     other = tmp_path / "other.json"
     other.write_text(json.dumps({**data, "joints": ["a"]}))
@@ -301,7 +305,7 @@ def test_scene_opens_from_disk_without_a_network(page_of, ur5e, tmp_path):
     tab = opened(page_of, ur5e)
     show_tab(tab, "Files")
     with tab.page.expect_download(timeout=60_000) as download:
-        tab.page.get_by_role("button", name="download the scene").click()
+        press(tab, "download the scene")
     saved = tmp_path / "scene.html"
     download.value.save_as(saved)
     requests = []
@@ -321,7 +325,7 @@ def test_report_from_the_page(page_of, ur5e, tmp_path):
     tab = opened(page_of, ur5e)
     show_tab(tab, "Files")
     with tab.page.expect_download(timeout=120_000) as download:
-        tab.page.get_by_role("button", name="download a report").click()
+        press(tab, "download a report")
     saved = tmp_path / "report.html"
     download.value.save_as(saved)
     text = saved.read_text()

@@ -8,7 +8,7 @@ from typing import Any
 
 from ..errors import KinestaticsError
 from ..scene.arm_scene import ArmScene, fitting_view
-from ..scene.shapes import Solid
+from ..scene.solids import Solid
 from .files_tab import FilesTab
 from .jacobian_tab import JacobianTab
 from .joints_tab import JointsTab
@@ -29,7 +29,7 @@ class Page:
         session: what it is about; tabs by name: joints, statics, singular, jacobian, motion, view, files; tool: the gizmo.
     """
 
-    def __init__(self, server: Any, session: Session, solids: Sequence[tuple[str, Solid]], seed: int = 0) -> None:
+    def __init__(self, server: Any, session: Session, solids: Sequence[Solid], seed: int = 0) -> None:
         self.server, self.session = server, session
         self._words, self._drawing = "", threading.RLock()
         gui = server.gui

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..inverse_velocity import move_tip
 from ..namespaces import Array, as_array
-from ..scene.shapes import quaternions
+from ..scene.placing import quaternions
 from ..spatial import pose_matrix, quaternion_to_rotation
 from .session import Session
 from .worker import LatestWorker

@@ -19,9 +19,10 @@ from ..palette import FORCE, VELOCITY
 from ..six_vectors import change_frame
 from ..skeleton import plane_of, skeleton
 from ..spatial import ANGULAR, LINEAR
+from .placing import quaternions
 from .robot import RobotBody
-from .shapes import Solid, quaternions
 from .signs import ConvexBody, Strokes, StrokeSign, arrow_strokes, free_strokes, lost_strokes, together
+from .solids import Solid
 
 _BODY, _ARROW = 0.3, 0.35
 """Of the arm's size: half the length of a typical body, and the length of a load's arrow."""
@@ -69,7 +70,7 @@ class ArmScene:
         metres_per_newton: scale of the arrows of loads.
     """
 
-    def __init__(self, server: Any, model: RobotModel, solids: Sequence[tuple[str, Solid]] = ()) -> None:
+    def __init__(self, server: Any, model: RobotModel, solids: Sequence[Solid] = ()) -> None:
         self._server, self._model, scene = server, model, server.scene
         bones = skeleton(model, model.home)
         self.size, self.plane = bones.size, plane_of(model)

@@ -13,7 +13,9 @@ from ..namespaces import Array, as_array
 from ..palette import EDGE, LINK, TEXT, rgb
 from ..skeleton import rigid_lines
 from ..spatial import ANGULAR, LINEAR, split_pose
-from .shapes import Solid, between, cylinder, quaternions
+from .placing import between, quaternions
+from .simple_shapes import box, cylinder
+from .solids import Solid
 
 _THICK, _JOINT, _AXIS = 0.018, 0.034, 0.11
 """Radius of a link, radius of a joint and half its axis, as shares of the arm's size."""
@@ -26,10 +28,10 @@ class RobotBody:
         has_solids: whether it is drawn with solids of its own (meshes), not only with links and joints.
     """
 
-    def __init__(self, scene: Any, model: RobotModel, size: float, solids: Sequence[tuple[str, Solid]] = ()) -> None:
+    def __init__(self, scene: Any, model: RobotModel, size: float, solids: Sequence[Solid] = ()) -> None:
         self._scene, self._model, self._size = scene, model, size
         self._frames = [scene.add_frame(f"/robot/{i}", show_axes=False) for i in range(len(model.parents))]
-        self._solids = [self._solid(k, link, solid) for k, (link, solid) in enumerate(solids)]
+        self._solids = [self._solid(k, solid) for k, solid in enumerate(solids)]
         self._bones = [*self._links(), *self._joints()]
         self._axes = self._joint_axes()
         self._rods = {i: self._rod(i) for i in self._sliding()}
@@ -65,21 +67,22 @@ class RobotBody:
         """The path of a part that a joint carries; -1 is the base."""
         return f"/robot/{joint}/{name}" if joint >= 0 else f"/robot/base/{name}"
 
-    def _solid(self, k: int, link: str, solid: Solid) -> Any:
+    def _solid(self, k: int, solid: Solid) -> Any:
         """A solid of a link, placed in the frame of the joint that carries it."""
-        index = self._model.link(link)
+        index = self._model.link(solid.link)
         R, p = split_pose(self._model.link_placements[index])
-        vertices = solid.vertices @ R.T + p
-        color = solid.color or rgb(LINK)
         node = self._node(self._model.link_joints[index], f"solid{k}")
-        return self._scene.add_mesh_simple(node, vertices, solid.faces, color=color, side="double", cast_shadow=False)
+        opacity = None if solid.opacity >= 1 else solid.opacity
+        look: dict[str, Any] = {"color": solid.color, "opacity": opacity, "side": "double", "cast_shadow": False}
+        look["flat_shading"] = True  # corners are shared by faces that meet at an edge
+        return self._scene.add_mesh_simple(node, solid.vertices @ R.T + p, solid.faces, **look)
 
     def _links(self) -> list[Any]:
         """The links as rods, with round ends."""
         made = []
         for k, (carrier, line) in enumerate(rigid_lines(self._model)):
             wxyz, position, scale = between(line[0], line[1], self._thick)
-            rod = cylinder()
+            rod = cylinder(1.0, 1.0)
             node = self._node(carrier, f"link{k}")
             options: dict[str, Any] = {"color": rgb(LINK), "cast_shadow": False}
             made.append(
@@ -99,7 +102,7 @@ class RobotBody:
         for i, (foot, direction, turns) in enumerate(self._axis_lines()):
             half, radius = 1.5 * _JOINT * self._size, _JOINT * self._size
             wxyz, position, scale = between(foot - half * direction, foot + half * direction, radius)
-            solid = cylinder() if turns else cylinder(4)
+            solid = cylinder(1.0, 1.0) if turns else box(2.0, 2.0, 1.0)
             options: dict[str, Any] = {"color": rgb(EDGE), "cast_shadow": False, "flat_shading": not turns}
             made.append(
                 self._scene.add_mesh_simple(
@@ -138,5 +141,5 @@ class RobotBody:
 
     def _rod(self, i: int) -> Any:
         """What a sliding joint has pushed out."""
-        rod = cylinder()
+        rod = cylinder(1.0, 1.0)
         return self._scene.add_mesh_simple(f"/robot/rod{i}", rod.vertices, rod.faces, color=rgb(EDGE), cast_shadow=False)

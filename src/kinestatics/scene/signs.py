@@ -13,7 +13,7 @@ from ..dexterity import Ellipsoid, Polytope
 from ..namespaces import Array
 from ..palette import rgb
 from ..screws_in_words import Screw
-from .shapes import quaternions, turned_to
+from .placing import quaternions, turned_to
 
 _OPAQUE, _LINE = 0.28, 1.5
 _THIN = 3e-3  # of the arm's size: as thick as a flat body is drawn

@@ -1,9 +1,6 @@
-"""Small solids and how they are turned: what the signs and the arm of a scene are made of."""
+"""How things of a scene are turned and stretched."""
 
 from __future__ import annotations
-
-from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
 
@@ -12,38 +9,13 @@ from ..namespaces import Array
 _SLENDER = 1e-9
 
 
-@dataclass(frozen=True, eq=False)
-class Solid:
-    """Triangles in the axes of a link.
-
-    Attributes:
-        vertices: (k, 3) [m]; faces: (m, 3) indices of vertices; color: red, green, blue 0 to 255, or None.
-    """
-
-    vertices: Array
-    faces: Array
-    color: tuple[int, int, int] | None = None
-
-
-@cache
-def cylinder(sides: int = 20) -> Solid:
-    """A cylinder of radius 1 about z, from z = 0 to 1; of four sides, a block."""
-    turns = 2 * np.pi * (np.arange(sides) + 0.5) / sides
-    ring = np.stack([np.cos(turns), np.sin(turns), 0 * turns], -1)
-    vertices = np.concatenate([ring, ring + np.array([0.0, 0.0, 1.0]), [[0, 0, 0], [0, 0, 1]]])
-    k = np.arange(sides)
-    after, bottom, top = (k + 1) % sides, np.full(sides, 2 * sides), np.full(sides, 2 * sides + 1)
-    faces = [(k, after, after + sides), (k, after + sides, k + sides), (after, k, bottom), (k + sides, after + sides, top)]
-    return Solid(vertices, np.concatenate([np.stack(face, -1) for face in faces]))
-
-
 def between(start: Array, end: Array, radius: float) -> tuple[Array, Array, tuple[float, float, float]]:
-    """Where the cylinder stands that reaches from a point to another: quaternion, position and scale."""
-    along = end - start
+    """Where a cylinder of radius 1 and length 1 reaches from a point to another: quaternion, position and scale."""
+    along, middle = end - start, (start + end) / 2
     length = float(np.linalg.norm(along))
     if length < _SLENDER:
-        return np.array([1.0, 0.0, 0.0, 0.0]), start, (radius, radius, _SLENDER)
-    return quaternions(turned_to(along / length)), start, (radius, radius, length)
+        return np.array([1.0, 0.0, 0.0, 0.0]), middle, (radius, radius, _SLENDER)
+    return quaternions(turned_to(along / length)), middle, (radius, radius, length)
 
 
 def turned_to(direction: Array) -> Array:
