@@ -3,6 +3,8 @@
 import copy
 import locale
 import pickle
+import sys
+import types
 import warnings
 
 import mpmath
@@ -175,3 +177,12 @@ def test_random_configurations_need_counts_and_seeds_from_zero():
     for count, seed in ((1, -1), (-1, 0)):
         with pytest.raises(ks.ConfigurationError, match="KS309"):
             ARM.random_configurations(count, seed)
+
+
+def test_numbers_are_numbers_while_another_thread_imports_sympy(monkeypatch):
+    """A module that is half imported has none of its names yet; nothing can be a symbol then."""
+    monkeypatch.setitem(sys.modules, "sympy", types.ModuleType("sympy"))
+    arm = ks.from_dh([(1, 0, 0, 0), (1, 0, 0, 0)], convention="standard")
+    assert ks.jacobian(arm, [0.0, 0.5]).shape == (6, 2)
+    with pytest.raises(ks.ArrayTypeError, match="KS302"):
+        ks.jacobian(arm, np.array(["a", "b"], dtype=object))

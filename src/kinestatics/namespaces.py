@@ -105,8 +105,8 @@ def _namespace(name: str) -> Namespace:
 
 
 def _is_symbolic(array: Array) -> bool:
-    sympy = sys.modules.get("sympy")
-    return sympy is not None and all(isinstance(x, sympy.Expr | int | float) for x in array.flat)
+    expression = getattr(sys.modules.get("sympy"), "Expr", None)  # another thread may be half way through importing it
+    return expression is not None and all(isinstance(x, expression | int | float) for x in array.flat)
 
 
 def _floating_jax(value: Any, what: str) -> Array:

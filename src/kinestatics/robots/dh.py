@@ -157,8 +157,8 @@ def dh_joint(row: Sequence[Any], letter: str, convention: str, exact: bool = Fal
 
 
 def _is_symbol(value: Any) -> bool:
-    sympy = sys.modules.get("sympy")
-    return sympy is not None and isinstance(value, sympy.Basic)
+    basic = getattr(sys.modules.get("sympy"), "Basic", None)  # another thread may be half way through importing it
+    return basic is not None and isinstance(value, basic)
 
 
 def _check_entry(word: str, entry: Any, where: str) -> None:
