@@ -128,6 +128,9 @@ if TYPE_CHECKING:
         from_screws as from_screws,
         screw_axis as screw_axis,
     )
+    from .scene.arm_scene import (
+        View as View,
+    )
     from .screws_in_words import (
         Screw as Screw,
     )
@@ -295,6 +298,7 @@ _CONTENTS = {  # what is public and where it is defined; a module is imported wh
         "from_screws",
         "screw_axis",
     ),
+    "scene.arm_scene": ("View",),
     "screws_in_words": ("Screw",),
     "singular_sets": (
         "SingularSet",

@@ -11,7 +11,7 @@ import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from .errors import (
 )
 from .frames import BASE, TIP
 from .namespaces import Array, as_array
+from .surfaces import surface
 
 _ARRAYS = ("placements", "screws", "multipliers", "offsets", "link_placements", "masses", "centers_of_mass", "inertias")
 
@@ -65,6 +66,20 @@ def _read_only(value: Array) -> Array:
     return array
 
 
+class RobotFile(NamedTuple):
+    """The file that a model was read from, and what was said about it: so that it can be read again, for its shapes.
+
+    Attributes:
+        path: absolute.
+        package_roots: absolute folders in which its package:// paths may be looked up.
+        allow_xacro: whether the user trusts it to be expanded.
+    """
+
+    path: str
+    package_roots: tuple[str, ...] = ()
+    allow_xacro: bool = False
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class RobotModel:
     """A robot arm: names, placements, joint screws, masses and limits. Immutable; made by `load`, `from_dh`, `from_screws`.
@@ -92,6 +107,8 @@ class RobotModel:
         source: where the numbers come from.
         findings: what a careful reader of the robot's file would be told.
         payloads: links that `with_payload` added.
+        file: the file it was read from, None where it was not read from one.
+        digest: SHA-256 of the bytes of that file, or of the catalogue's, in hexadecimal digits; what it includes is left out.
         has_masses: whether any mass was given; without, gravity is an error and not a silent zero.
 
     Example:
@@ -128,6 +145,8 @@ class RobotModel:
     source: str = ""
     findings: tuple[Finding, ...] = ()
     payloads: tuple[str, ...] = ()
+    file: RobotFile | None = None
+    digest: str = ""
 
     def __post_init__(self) -> None:
         for entry in fields(self):
@@ -331,6 +350,9 @@ class RobotModel:
 
     def __repr__(self) -> str:
         return f"<RobotModel {self.name!r}: {self.n} joints, base {self.base!r}, tip {self.tip!r}>"
+
+    def _repr_html_(self) -> str:
+        return str(surface("notebook").html(self))
 
     def __str__(self) -> str:
         """A table of the joints with their limits."""

@@ -14,22 +14,72 @@ import typer
 
 from ..errors import ConfigurationError, KinestaticsError, UnknownNameError, nearest
 from ..frames import TIP
+from .completion import joint_values, link_values, links, links_or_ends, robots, words
 
 if TYPE_CHECKING:
     from ..model import RobotModel
     from ..namespaces import Array
     from ..quantities import Wrench
 
+_SIX = "fx,fy,fz or fx,fy,fz,mx,my,mz [N, N m] in base axes"
+
 Robot = Annotated[
-    str, typer.Argument(help="A catalogue name (see `kinestatics robots`) or a .urdf, .xml (MJCF), .xacro file.")
+    str,
+    typer.Argument(
+        help="A catalogue name (see `kinestatics robots`) or a .urdf, .xml (MJCF), .xacro file.", autocompletion=robots
+    ),
 ]
-Base = Annotated[str | None, typer.Option(help="Link to start from; default the root.")]
-Tip = Annotated[str | None, typer.Option(help="Link whose motion is asked for; default the only end of a branch.")]
+Base = Annotated[str | None, typer.Option(help="Link to start from; default the root.", autocompletion=links)]
+Tip = Annotated[
+    str | None,
+    typer.Option(help="Link whose motion is asked for; default the only end of a branch.", autocompletion=links),
+]
+Link = Annotated[str, typer.Option(help="Link that is meant: tip or any link.", autocompletion=links_or_ends)]
 At = Annotated[
-    str, typer.Option(help="Configuration: numbers such as 0,-pi/2,30deg (radians, metres), or home, zero, random.")
+    str,
+    typer.Option(
+        help="Configuration: numbers such as 0,-pi/2,30deg (radians, metres), or home, zero, random.",
+        autocompletion=words("home", "zero", "random"),
+    ),
 ]
 Seed = Annotated[int, typer.Option(min=0, help="Seed of --at random.")]
-Hold = Annotated[list[str] | None, typer.Option(help="Hold a joint off the path: name=value. May be repeated.")]
+Task = Annotated[
+    str,
+    typer.Option(
+        help="auto, full, position, orientation, or rows such as vx,vy,wz.",
+        autocompletion=words("auto", "full", "position", "orientation"),
+    ),
+]
+Loads = Annotated[
+    list[str] | None,
+    typer.Option(help=f"Load on the robot: {_SIX}; or link=... May be repeated.", autocompletion=link_values),
+]
+Pushes = Annotated[
+    list[str] | None,
+    typer.Option(help="What the robot exerts on its surroundings; as --load. May be repeated.", autocompletion=link_values),
+]
+WrenchAt = Annotated[
+    str,
+    typer.Option(help="Link at whose origin loads and pushes act, where they name none.", autocompletion=links_or_ends),
+]
+Payloads = Annotated[
+    list[str] | None,
+    typer.Option(
+        help="What the tip holds: mass or mass,x,y,z of its centre [kg, m]; or link=... May be repeated.",
+        autocompletion=link_values,
+    ),
+]
+Mount = Annotated[
+    str,
+    typer.Option(
+        help="How the base stands: floor, ceiling, wall, or roll,pitch,yaw.",
+        autocompletion=words("floor", "ceiling", "wall"),
+    ),
+]
+Hold = Annotated[
+    list[str] | None,
+    typer.Option(help="Hold a joint off the path: name=value. May be repeated.", autocompletion=joint_values),
+]
 Roots = Annotated[list[Path] | None, typer.Option("--package-root", help="Folder for package:// paths. May be repeated.")]
 AllowXacro = Annotated[
     bool, typer.Option("--allow-xacro", help="Expand a xacro file. It can run code: only files you trust.")

@@ -10,29 +10,49 @@ import typer
 from ..errors import UnknownNameError, nearest
 from ..frames import BASE, TIP, Frame
 from .app import app, show, show_json
-from .arguments import AllowXacro, Base, Hold, Json, Robot, Roots, Tip, read_robot
+from .arguments import AllowXacro, Base, Hold, Json, Link, Robot, Roots, Tip, read_robot
+from .completion import words
+from .progress import on_terminal
 
-_QUANTITIES = "pose, jacobian, velocity, acceleration, gravity_torques, joint_torques, determinant or minors"
-
+_QUANTITIES = (
+    *("pose", "jacobian", "velocity", "acceleration", "gravity_torques", "joint_torques"),
+    *("determinant", "minors"),
+)
+_LANGUAGES = ("text", "latex", "steps", "numpy", "jax", "c", "cpp", "matlab", "octave")
 _FRAMES = ("geometric", "body", "spatial", "auto")
 _OF_NO_FRAME = ("pose", "gravity_torques", "determinant", "minors")
 
 
-@app.command("export", short_help="The arm's formulas, as text, LaTeX or code.")
+@app.command("export")
 def command(
     robot: Robot,
-    quantity: Annotated[str, typer.Option(help=f"What is wanted: {_QUANTITIES}.")] = "jacobian",
+    quantity: Annotated[
+        str, typer.Option(help=f"What is wanted: {', '.join(_QUANTITIES)}.", autocompletion=words(*_QUANTITIES))
+    ] = "jacobian",
     language: Annotated[
-        str, typer.Option("--as", help="text, latex, steps (a derivation in LaTeX), numpy, jax, c, cpp, matlab or octave.")
+        str,
+        typer.Option(
+            "--as",
+            help="text, latex, steps (a derivation in LaTeX), numpy, jax, c, cpp, matlab or octave.",
+            autocompletion=words(*_LANGUAGES),
+        ),
     ] = "text",
     base: Base = None,
     tip: Tip = None,
-    link: Annotated[str, typer.Option(help="Link whose quantity it is.")] = TIP,
+    link: Link = TIP,
     frame: Annotated[
-        str, typer.Option(help="geometric, body, spatial, or auto: the shortest of them and of the links between.")
+        str,
+        typer.Option(
+            help="geometric, body, spatial, or auto: the shortest of them and of the links between.",
+            autocompletion=words(*_FRAMES),
+        ),
     ] = "geometric",
     task: Annotated[
-        str | None, typer.Option(help="Rows, as in analyze; default all, of determinants those that move.")
+        str | None,
+        typer.Option(
+            help="Rows, as in analyze; default all, of determinants those that move.",
+            autocompletion=words("auto", "full", "position", "orientation"),
+        ),
     ] = None,
     named: Annotated[bool, typer.Option("--named", help="Names for lengths: a2, d4, ... after Denavit-Hartenberg.")] = False,
     output: Annotated[Path | None, typer.Option("--output", "-o", help="Write to this file.")] = None,
@@ -47,14 +67,17 @@ def command(
     from ..symbolic.latex import to_latex
 
     model = read_robot(robot, base, tip, hold, package_root, allow_xacro)
+    if language not in _LANGUAGES:
+        raise UnknownNameError("KS395", f"nothing is written as {language!r}", nearest(language, _LANGUAGES))
     wanted = _frame(frame, link) if quantity not in _OF_NO_FRAME else "auto"
-    form = closed_form(quantity, model, at=link, frame=wanted, task=task, lengths="symbols" if named else "numbers")
-    if language == "text":
-        text = str(form)
-    elif language in ("latex", "steps"):
-        text = to_latex(form, steps=language == "steps")
-    else:
-        text = generate_code(form, language)
+    with on_terminal("finding the shortest form"):
+        form = closed_form(quantity, model, at=link, frame=wanted, task=task, lengths="symbols" if named else "numbers")
+        if language == "text":
+            text = str(form)
+        elif language in ("latex", "steps"):
+            text = to_latex(form, steps=language == "steps")
+        else:
+            text = generate_code(form, language)
     if output is not None:
         output.write_text(text.rstrip("\n") + "\n", encoding="utf-8")
     if as_json:

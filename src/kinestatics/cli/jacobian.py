@@ -9,23 +9,34 @@ import typer
 from ..frames import BASE, TIP, Frame
 from .app import app, show, show_json
 from .arguments import AllowXacro, At, Base, Hold, Json, Robot, Roots, Seed, Tip, read_configuration, read_robot
+from .completion import conventions, links_or_ends
 
 if TYPE_CHECKING:
     from ..namespaces import Array
 
 
-@app.command("jacobian", short_help="The Jacobian, in any axes, at any point.")
+@app.command("jacobian")
 def command(
     robot: Robot,
     base: Base = None,
     tip: Tip = None,
     at: At = "home",
     seed: Seed = 0,
-    axes: Annotated[str, typer.Option(help="Link whose axes are used: base, tip or any link.")] = BASE,
-    origin: Annotated[str, typer.Option(help="Link at whose origin the linear part is taken: base, tip or any link.")] = TIP,
+    axes: Annotated[
+        str, typer.Option(help="Link whose axes are used: base, tip or any link.", autocompletion=links_or_ends)
+    ] = BASE,
+    origin: Annotated[
+        str,
+        typer.Option(
+            help="Link at whose origin the linear part is taken: base, tip or any link.", autocompletion=links_or_ends
+        ),
+    ] = TIP,
     convention: Annotated[
         str | None,
-        typer.Option(help="Write it as another library does, for example pinocchio.WORLD or modern_robotics.body."),
+        typer.Option(
+            help="Write it as another library does, for example pinocchio.WORLD or modern_robotics.body.",
+            autocompletion=conventions,
+        ),
     ] = None,
     hold: Hold = None,
     package_root: Roots = None,

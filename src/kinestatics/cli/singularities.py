@@ -8,19 +8,37 @@ import typer
 
 from ..frames import TIP
 from .app import app, show, show_json
-from .arguments import AllowXacro, Base, Hold, Json, Robot, Roots, Seed, Tip, read_configuration, read_robot
+from .arguments import (
+    AllowXacro,
+    Base,
+    Hold,
+    Json,
+    Link,
+    Robot,
+    Roots,
+    Seed,
+    Task,
+    Tip,
+    read_configuration,
+    read_robot,
+)
+from .completion import words
 from .progress import on_terminal
 
 
-@app.command("singularities", short_help="Where is this arm singular, and what is lost there?")
+@app.command("singularities")
 def command(
     robot: Robot,
     base: Base = None,
     tip: Tip = None,
-    link: Annotated[str, typer.Option(help="Link whose motion it is.")] = TIP,
-    task: Annotated[str, typer.Option(help="auto, full, position, orientation, or rows such as vx,vy,wz.")] = "auto",
+    link: Link = TIP,
+    task: Task = "auto",
     at: Annotated[
-        list[str] | None, typer.Option(help="Posture whose card is wanted: home, random, or numbers. May be repeated.")
+        list[str] | None,
+        typer.Option(
+            help="Posture whose card is wanted: home, random, or numbers. May be repeated.",
+            autocompletion=words("home", "zero", "random"),
+        ),
     ] = None,
     boundary: Annotated[bool, typer.Option(help="Search other branches for the workspace boundary, 5 s a card.")] = False,
     tolerance: Annotated[float, typer.Option(help="Angles [rad] this close to right ones are taken for them.")] = 1e-5,
@@ -37,9 +55,10 @@ def command(
     from ..singular_sets import singularities
 
     model = read_robot(robot, base, tip, hold, package_root, allow_xacro)
-    with on_terminal() as progress:
+    with on_terminal("looking for singularities") as progress:
         found = singularities(model, task, at=link, tolerance=tolerance, budget=budget, progress=progress)
-    cards = [found.at(read_configuration(model, posture, seed), boundary=boundary) for posture in at or ()]
+    with on_terminal("drawing up cards"):
+        cards = [found.at(read_configuration(model, posture, seed), boundary=boundary) for posture in at or ()]
     if as_json:
         show_json({**found.to_dict(), "cards": [card.to_dict() for card in cards]})
     else:

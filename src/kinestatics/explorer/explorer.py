@@ -20,12 +20,19 @@ from .session import LOAD, PUSH, Session, Situation
 
 
 class Explorer:
-    """A running page. `with explore(arm) as page:` stops it at the end.
+    """A running page; made by `explore`. As a context manager it stops at the end.
 
     Attributes:
         address: the one address that opens it; whoever knows it can.
         session: what the page is about; `session.change(q=...)` moves the arm for everyone who looks.
         page: what is on it.
+
+    Example:
+        >>> import kinestatics as ks
+        >>> with ks.explore(ks.load("planar_2r")) as explorer:
+        ...     explorer.session.change(q=[0.3, 0.0])
+        ...     explorer.address.startswith("http://127.0.0.1:"), explorer.session.analysis.rank
+        (True, 1)
     """
 
     def __init__(self, guarded: Any, session: Session, page: Page) -> None:

@@ -24,14 +24,14 @@ STYLE = """
 .ks .small{font-size:11px;opacity:.78}
 .ks .scroll{overflow-x:auto}
 .ks table{border-collapse:collapse;width:100%}
-.ks th,.ks td{padding:.08rem .3rem;text-align:right;white-space:nowrap}
-.ks th:first-child,.ks td.name{text-align:left;max-width:9.5rem;overflow:hidden;text-overflow:ellipsis}
+.ks th,.ks td{padding:.08rem .2rem;text-align:right;white-space:nowrap}
+.ks th:first-child,.ks td.name{text-align:left;max-width:6.2rem;overflow:hidden;text-overflow:ellipsis}
 .ks thead th{font-weight:500;opacity:.75;border-bottom:1px solid rgba(128,128,128,.4)}
 .ks tr.dependent th,.ks tr.dependent td{background:rgba(213,94,0,.16)}
 .ks tr.still th,.ks tr.still td{opacity:.45}
 .ks .good,.ks .bad{display:inline-block;border-radius:3px;padding:0 .45em;color:#fff;font-weight:600}
 .ks .good{background:#0b6e4f}.ks .bad{background:#b3261e}
-.ks .track{display:block;position:relative;height:9px;min-width:60px;background:rgba(128,128,128,.18);border-radius:2px}
+.ks .track{display:block;position:relative;height:9px;min-width:44px;background:rgba(128,128,128,.18);border-radius:2px}
 .ks .track i{position:absolute;top:0;bottom:0;border-radius:2px}
 .ks .motion{background:#0072b2}.ks .force{background:#d55e00}.ks .over{background:#b3261e}
 .ks .middle{left:50%;width:1px;background:rgba(128,128,128,.7)}
@@ -157,17 +157,11 @@ def torques(a: Analysis) -> str:
             for what, part in (("gravity", gravity), ("load", load), ("holding", both))
         ]
         unit = "N" if kind == "prismatic" else "N m"
-        limit_cell = tag("td", number(limit, unit) if np.isfinite(limit) else "–")
-        rows.append(
-            tag(
-                "tr",
-                tag("td", f"{k + 1} {name}", class_="name", title=name),
-                cells,
-                limit_cell,
-                tag("td", _bar(total / range_of, limit)),
-            )
-        )
-    head = tag("tr", [tag("th", word, scope="col") for word in ("joint", "gravity", "load", "both", "limit", "")])
+        named = tag("td", f"{k + 1} {name}", class_="name", title=f"{name} [{unit}]")
+        limit_cell = tag("td", f"{limit:.4g}" if np.isfinite(limit) else "–")
+        rows.append(tag("tr", named, cells, limit_cell, tag("td", _bar(total / range_of, limit))))
+    words = ("joint", "gravity", "load", "both", "limit", "")
+    head = tag("tr", [tag("th", word, scope="col") for word in words])
     table = tag("table", tag("thead", head), tag("tbody", rows))
     sign = "what the motors supply to hold still, N m for turning and N for sliding joints"
     missing = None if gravity is not None else tag("p", "no masses are known: without the arm's own weight", class_="small")
@@ -177,7 +171,9 @@ def torques(a: Analysis) -> str:
 def _value_cell(value: float, beside: float, **names: str) -> Html:
     """A cell with a number; written out, for a page makes hundreds of them a second. `names`: attributes."""
     marks = "".join(f' {key.replace("_", "-")}="{escape(visible(name))}"' for key, name in names.items())
-    return Html(f'<td data-value="{value!r}"{marks}>{with_minus(format_number(value, beside))}</td>')
+    shown = format_number(value, beside)
+    rounded = f"{value:.3f}" if len(shown) > 6 and abs(value) < 1e3 else shown
+    return Html(f'<td data-value="{value!r}"{marks}>{with_minus(rounded)}</td>')
 
 
 def _bar(share: float, limit: float) -> Html:
@@ -201,20 +197,21 @@ def nearest(near: Sequence[Distance] | None, problem: str) -> str:
     for distance in near:
         value = format_number(distance.value) if np.isfinite(distance.value) else "–"
         degrees = f"{format_number(round(float(np.degrees(distance.value)), 2))}°" if np.isfinite(distance.value) else "–"
-        inside = "" if distance.component.within_limits is not False else "outside the joint limits"
+        far = distance.component.within_limits is False
         rows.append(
             tag(
                 "tr",
-                tag("td", distance.component.label, class_="name", data_quantity="singularity"),
+                tag("td", distance.component.label, class_="name", title=str(distance), data_quantity="singularity"),
                 tag("td", value, data_value=repr(distance.value)),
                 tag("td", degrees),
                 tag("td", format_number(distance.at_least)),
-                tag("td", inside),
+                class_="still" if far else None,
             )
         )
-    head = tag("tr", [tag("th", word, scope="col") for word in ("singularity", "rad (m)", "deg", "at least", "")])
-    words = "√Σ(q − nearest)² in joint space, joint limits not looked at; “at least” is proved"
-    return framed(tag("table", tag("thead", head), tag("tbody", rows)), tag("p", words, class_="small"))
+    head = tag("tr", [tag("th", word, scope="col") for word in ("singularity", "rad", "deg", "at least")])
+    words = "√Σ(q − nearest)² in joint space [rad, m for sliding joints]; no point of it is nearer than “at least”, proved"
+    pale = tag("p", "pale: outside the joint limits", class_="small") if any("still" in row for row in rows) else None
+    return framed(tag("table", tag("thead", head), tag("tbody", rows)), tag("p", words, class_="small"), pale)
 
 
 def card(text: str) -> str:

@@ -8,7 +8,7 @@ from .limits import RateLimits
 from .methods import joint_rates
 from .priority import PrioritizedRates, prioritized_rates
 from .result import JointRates
-from .self_motion import SelfMotion, self_motion
+from .self_motions import SelfMotion, self_motion
 from .solver import RateSolver
 from .tip_motion import TipMotion, move_tip
 

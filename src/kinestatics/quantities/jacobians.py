@@ -11,6 +11,7 @@ from ..errors import ArrayTypeError, ConfigurationError, FrameMismatchError
 from ..frames import Frame
 from ..namespaces import Array, Namespace, as_array
 from ..spatial import ANGULAR, LINEAR, ROW_NAMES, change_twist_frame, rotate, transpose
+from ..surfaces import surface
 from .arrays import check_batches, numeric, reordered
 from .frozen import Frozen, set_once
 from .printing import WIDTH, format_number, largest, numbered, table, wrapped
@@ -201,6 +202,9 @@ class Jacobian(JacobianMatrix):
             rates = self._locate(self.frame)[3].constant(rates, self.array)
         check_batches("the Jacobian", self.shape[:-2], "qd", tuple(rates.shape[:-1]))
         return Twist(rotate(self.array, rates), self.frame)
+
+    def _repr_html_(self) -> str:
+        return str(surface("notebook").html(self))
 
     def __str__(self) -> str:
         """A labelled table of one Jacobian; the shape of a batch."""

@@ -9,6 +9,7 @@ import numpy as np
 from ..errors import ConfigurationError
 from ..namespaces import Array
 from ..spatial import rotation_to_rpy, split_pose
+from ..surfaces import surface
 from .arrays import numeric
 from .frozen import Frozen, set_once
 from .printing import format_number, table, wrapped
@@ -59,6 +60,9 @@ class Pose(Frozen):
 
     def __repr__(self) -> str:
         return f"<Pose of {self.link} seen from {self.seen_from}, shape {tuple(self.array.shape)}>"
+
+    def _repr_html_(self) -> str:
+        return str(surface("notebook").html(self))
 
     def __str__(self) -> str:
         if self.array.ndim > 2:

@@ -24,6 +24,7 @@ from ..spatial import (
     change_wrench_frame,
     split_pose,
 )
+from ..surfaces import surface
 from .arrays import check_batches, checked_poses, in_one_library, numeric, owned, plain, reordered, six_of_halves
 from .frozen import Frozen, set_once
 from .poses import Pose
@@ -78,6 +79,9 @@ class SixVector(Frozen):
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.array.tolist()}, {self.frame}>"
+
+    def _repr_html_(self) -> str:
+        return str(surface("notebook").html(self))
 
     def __str__(self) -> str:
         name, where = f"{type(self).__name__} ", str(self.frame)

@@ -232,6 +232,8 @@ def _build(
         frozen={name: value for name, value in held.items() if name in masters and masters[name][0] == name},
         source=robot.source,
         findings=robot.findings,
+        file=robot.file,
+        digest=robot.digest,
     )
 
 

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import Finding, Place
+from ..model import RobotFile
 from ..namespaces import Array
 
 KINDS = ("revolute", "continuous", "prismatic", "helical", "fixed")
@@ -88,6 +89,7 @@ class RobotDescription:
         source: where the numbers come from (a path, a document).
         tip: the link to use as tip when the user names none; None: the only leaf.
         findings: warnings met while reading.
+        file: the file that was read, None where there is none; digest: SHA-256 of its bytes, or of the catalogue's.
     """
 
     name: str
@@ -96,3 +98,5 @@ class RobotDescription:
     source: str = ""
     tip: str | None = None
     findings: tuple[Finding, ...] = ()
+    file: RobotFile | None = None
+    digest: str = ""

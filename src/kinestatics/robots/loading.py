@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from hashlib import sha256
 from os import PathLike
 from pathlib import Path
+from typing import Literal
 
 from ..errors import Place, RobotFileError, UnknownNameError, nearest
-from ..model import RobotModel
+from ..model import RobotFile, RobotModel
 from .assemble import assemble
 from .catalogue import catalogue_names, read_catalogue
 from .description import RobotDescription
@@ -64,7 +67,9 @@ def load(
         description = read_catalogue(text)
     elif path.suffix.lower() in SUFFIXES or os.path.isfile(path):
         roots = tuple(Path(root) for root in package_roots)
+        file = RobotFile(os.path.abspath(path), tuple(os.path.abspath(root) for root in roots), allow_xacro)
         description = _read_file(path, base, roots, allow_xacro, max_bytes)
+        description = replace(description, file=file, digest=sha256(path.read_bytes()).hexdigest())
     else:
         hint = nearest(text, catalogue_names())
         raise UnknownNameError(
@@ -83,13 +88,14 @@ def _read_file(
             sorted(p.name for p in path.parent.glob("*") if p.suffix.lower() in SUFFIXES) if path.parent.is_dir() else []
         )
         raise RobotFileError("KS109", "there is no such file", nearest(path.name, beside), Place(str(path)))
-    if path.suffix.lower() == ".xacro":
+    form = file_format(path)
+    if form == "xacro":
         from .urdf import parse_urdf
         from .xacro import expand_xacro
 
         data = expand_xacro(path, allow_xacro=allow_xacro, package_roots=roots)
         return parse_urdf(data, str(path), package_roots=roots, base=base)
-    if path.suffix.lower() in (".xml", ".mjcf") and _is_mjcf(path):
+    if form == "mjcf":
         from .mjcf import read_mjcf
 
         return read_mjcf(path, package_roots=roots, base=base)
@@ -99,11 +105,20 @@ def _read_file(
     return read_urdf(path, package_roots=roots, base=base, max_bytes=MAX_BYTES if max_bytes is None else max_bytes)
 
 
-def _is_mjcf(path: Path) -> bool:
-    """Whether the root element is MuJoCo's; a file that is neither is left to the strict reader to refuse."""
+def file_format(path: Path) -> Literal["urdf", "mjcf", "xacro"]:
+    """Which reader a file is for: by its name and, for .xml, by its root element; what is neither, the URDF reader refuses.
+
+    Raises:
+        RobotFileError: KS109, it cannot be read.
+    """
+    suffix = path.suffix.lower()
+    if suffix == ".xacro":
+        return "xacro"
+    if suffix not in (".xml", ".mjcf"):
+        return "urdf"
     try:
         with path.open("rb") as file:
             head = file.read(1 << 16)
     except OSError as failure:
         raise RobotFileError("KS109", f"cannot be read: {failure.strerror}", "", Place(str(path))) from None
-    return b"<robot" not in head and (b"<mujoco" in head or path.suffix.lower() == ".mjcf")
+    return "mjcf" if b"<robot" not in head and (b"<mujoco" in head or suffix == ".mjcf") else "urdf"

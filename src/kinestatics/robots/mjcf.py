@@ -59,11 +59,24 @@ def read_mjcf(path: Path, *, package_roots: Sequence[Path] = (), base: str | Non
     """
     folder = package_folder("mujoco", "mjcf", "reading a MuJoCo model")
     source = read_source(path, package_roots)
+    return _describe(compiled(source, folder), source, base)
+
+
+def compiled(source: Source, folder: str, shapes: bool = False) -> dict[str, Any]:
+    """What MuJoCo says about a model, from a bounded child (`mjcf_child`).
+
+    Args:
+        source: the model; folder: where the package mujoco lies.
+        shapes: say what the bodies look like, and nothing sound about masses.
+
+    Raises:
+        RobotFileError: KS108 a limit, KS192 no answer, or the code that goes with MuJoCo's refusal.
+    """
     request = {"folder": folder, "text": source.text, "submodels": source.submodels, "meshes": source.meshes}
-    answer = run_bounded("mjcf_child", request, LIMITS, Place(str(path)))
+    answer = run_bounded("mjcf_child", request | {"shapes": shapes}, LIMITS, Place(str(source.path)))
     if "refused" in answer:
         raise _refusal(answer["refused"], source)
-    return _describe(answer, source, base)
+    return answer
 
 
 def _refusal(text: str, source: Source) -> RobotFileError:

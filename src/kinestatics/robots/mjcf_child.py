@@ -17,13 +17,15 @@ import mujoco
 import numpy as np
 
 FLOOR = 1e-14  # kg and kg m²: MuJoCo does not compile a moving body without mass; taken off again afterwards
+DEFAULT_COLOR = (0.5, 0.5, 0.5, 1.0)  # a geom that has this one takes its material's
 
 
 def run(request: dict[str, Any]) -> dict[str, Any]:
     """The compiled model as lists of numbers, or {"refused": MuJoCo's message}.
 
     Args:
-        request: "text", the model; "submodels", {file name: text}; "meshes", {file name: path, or None where there is none}.
+        request: "text", the model; "submodels", {file name: text}; "meshes", {file name: path, or None where there is none};
+            "shapes", whether to say what the bodies look like, for which no mesh is opened, and nothing sound about masses.
     """
     if not hasattr(mujoco.MjSpec, "delete"):
         return {"refused": f"its version {mujoco.__version__} is too old; 3.3.4 or newer is needed"}
@@ -56,6 +58,7 @@ def _compile(request: dict[str, Any], meshes: dict[str, str | None], needed: set
         "home": next(([float(x) for x in key.qpos] for key in spec.keys if key.name == "home"), None),
     }
     _delete(spec, [*spec.equalities, *spec.actuators, *spec.keys])
+    shapes = [(geom, _shape(spec, geom)) for geom in spec.geoms] if request["shapes"] else []
     bodies = list(spec.bodies)
     bounds = [_compiler(spec, body).boundmass > 0 for body in bodies]  # asked before any is set: bodies share a compiler
     facts = [_settle(spec, body, bound, meshes, needed) for body, bound in zip(bodies, bounds, strict=True)]
@@ -68,6 +71,7 @@ def _compile(request: dict[str, Any], meshes: dict[str, str | None], needed: set
     answer["bodies"] = sorted(entries, key=lambda entry: entry["id"])
     answer["joints"] = sorted((_joint(model, joint) for joint in spec.joints), key=lambda entry: entry["id"])
     answer["sites"] = sorted((_site(model, site) for site in spec.sites), key=lambda entry: entry["id"])
+    answer["shapes"] = [shape | _placed(model, geom) for geom, shape in shapes if shape["kind"] != "hfield"]
     answer["springs"] = [joint.name for joint in spec.joints if np.any(np.asarray(joint.stiffness) != 0)]
     return answer | {"nq": int(model.nq), "total_mass_is_set": bool(spec.compiler.settotalmass > 0)}
 
@@ -238,4 +242,36 @@ def _site(model: Any, site: Any) -> dict[str, Any]:
         "position": model.site_pos[i].tolist(),
         "quaternion": model.site_quat[i].tolist(),
         "line": _line(site),
+    }
+
+
+def _shape(spec: Any, geom: Any) -> dict[str, Any]:
+    """What a geom looks like. One with a mesh becomes a small ball: MuJoCo then tells where the file's own axes lie."""
+    kind = "mesh" if geom.meshname else geom.type.name.removeprefix("mjGEOM_").lower()
+    shape: dict[str, Any] = {"kind": kind, "name": geom.name, "group": int(geom.group), "line": _line(geom), "mesh": None}
+    material = next((material for material in spec.materials if material.name == geom.material), None)
+    default = np.array_equal(geom.rgba, np.array(DEFAULT_COLOR, dtype=np.float32))
+    shape["color"] = [float(x) for x in (material if material is not None and default else geom).rgba]
+    if not geom.meshname:
+        return shape
+    mesh = next((mesh for mesh in spec.meshes if mesh.name == geom.meshname), None)
+    if mesh is not None:
+        shape["mesh"] = {
+            "file": mesh.file,
+            "scale": [float(x) for x in mesh.scale],
+            "position": [float(x) for x in mesh.refpos],
+            "quaternion": [float(x) for x in mesh.refquat],
+        }
+    geom.meshname, geom.type, geom.size = "", mujoco.mjtGeom.mjGEOM_SPHERE, [1e-3] * 3
+    return shape
+
+
+def _placed(model: Any, geom: Any) -> dict[str, Any]:
+    """Whose geom it is, where it stands in the body, and its size as MuJoCo keeps it: halves and radii."""
+    i = int(geom.id)
+    return {
+        "body": int(model.geom_bodyid[i]),
+        "position": model.geom_pos[i].tolist(),
+        "quaternion": model.geom_quat[i].tolist(),
+        "size": model.geom_size[i].tolist(),
     }

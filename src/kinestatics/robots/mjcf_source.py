@@ -62,6 +62,7 @@ class Source:
         name: the model's own name, or that of the file.
         gravity: what the file says, MuJoCo's default where it says nothing [m/s²].
         files: how many files were read; attached: how many models were attached.
+        colors: whether materials are handed on, as no more than a colour.
     """
 
     path: Path
@@ -76,19 +77,20 @@ class Source:
     gravity: tuple[float, float, float] = STANDARD_GRAVITY
     files: int = 0
     attached: int = 0
+    colors: bool = False
 
     def place(self, line: int) -> Place:
         """Where the line that MuJoCo names came from."""
         return self.places[line - 1] if 0 < line <= len(self.places) else Place(str(self.path))
 
 
-def read_source(path: Path, roots: Sequence[Path]) -> Source:
-    """The model in a file, checked and stripped.
+def read_source(path: Path, roots: Sequence[Path], colors: bool = False) -> Source:
+    """The model in a file, checked and stripped; with the colours of its materials where they are asked for.
 
     Raises:
         RobotFileError: KS100-KS112, KS120, KS125, KS145, KS146, KS160, KS190, with file, line and column.
     """
-    source = Source(path, roots)
+    source = Source(path, roots, colors=colors)
     root = _read(path, source)
     if root.tag != "mujoco":
         raise RobotFileError("KS120", f"root element is <{root.tag[:40]}>; expected <robot> or <mujoco>", "", root.place)
@@ -279,7 +281,7 @@ def _kept(parent: Element, child: Element, folders: _AssetFolders, folder: Path,
         _look_for(child.tag, folders.path(child.tag, file), child.place, folder, source)
     if child.tag == "key":
         return child.attributes.get("name") == "home"
-    return child.tag not in LEFT_OUT or parent.tag == "default"
+    return child.tag not in LEFT_OUT or parent.tag == "default" or (source.colors and child.tag == "material")
 
 
 def _look_for(what: str, name: str, place: Place, folder: Path, source: Source) -> Path | None:
@@ -304,7 +306,10 @@ def _attributes(
     submodels: dict[str, Path],
 ) -> dict[str, str]:
     """The attributes handed on; names of files are replaced by names that mean nothing outside."""
-    attributes = {name: value for name, value in element.attributes.items() if name not in ATTRIBUTES_LEFT_OUT}
+    left_out = ATTRIBUTES_LEFT_OUT - {"material"} if source.colors and element.tag == "geom" else ATTRIBUTES_LEFT_OUT
+    attributes = {name: value for name, value in element.attributes.items() if name not in left_out}
+    if element.tag == "material":
+        return {name: value for name, value in attributes.items() if name in ("name", "class", "rgba")}
     if element.tag == "compiler":
         return {name: value for name, value in attributes.items() if name not in OF_COMPILER_LEFT_OUT}
     if element.tag == "key":

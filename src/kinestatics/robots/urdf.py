@@ -64,7 +64,8 @@ def parse_urdf(
     return checked(name, links, joints, source=file, base=base, findings=findings)
 
 
-def _origin(element: Element, what: str) -> Array:
+def read_origin(element: Element, what: str) -> Array:
+    """(4, 4) pose of an <origin>, the identity where there is none."""
     origin = element.first("origin")
     if origin is None:
         return np.eye(4)
@@ -89,7 +90,7 @@ def _link(element: Element, findings: list[Finding]) -> LinkDescription:
     if inertial is None:
         return LinkDescription(name, place=element.place)
     what = f"link {name!r}"
-    T = _origin(inertial, f"{what}: inertial")
+    T = read_origin(inertial, f"{what}: inertial")
     mass_element = inertial.first("mass")
     mass = 0.0
     if mass_element is not None:
@@ -144,7 +145,7 @@ def _joint(element: Element, base: str | None, findings: list[Finding]) -> Joint
             "KS140", f"joint {name!r}: type {kind!r}; allowed in URDF: {', '.join(TYPES)}", hint, element.place
         )
     parent, child = _end(element, "parent", name), _end(element, "child", name)
-    placement = _origin(element, f"joint {name!r}")
+    placement = read_origin(element, f"joint {name!r}")
     if kind == "fixed" or kind in NOT_YET:
         return JointDescription(name, kind, parent, child, placement, place=element.place)
     axis = _axis(element, name, findings)

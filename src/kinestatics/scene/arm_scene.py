@@ -39,6 +39,12 @@ class View:
         velocity_scale: metres of the scene per m/s; force_scale: metres per N of the bodies of force.
         solids, bones, axes, lost, free, load: whether the robot's own shape, its links and joints, the joint axes, the lost
         motions, the free wrenches and the loads are seen.
+
+    Example:
+        >>> import kinestatics as ks
+        >>> seen = ks.View(velocity="none", force="ellipsoid", force_scale=0.1)
+        >>> ks.show(ks.load("planar_2r"), [0.3, 1.0], view=seen).html.startswith("<!doctype html>")
+        True
     """
 
     velocity: str = "ellipsoid"

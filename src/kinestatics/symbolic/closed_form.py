@@ -14,6 +14,7 @@ from ..frames import TIP, Frame
 from ..kinematics import require_model
 from ..model import RobotModel
 from ..quantities import Wrench, wrapped
+from ..surfaces import surface
 from .answers import ANSWERS, Answer
 from .exact import FRACTIONS, MOST_KEPT, exact, sympy_module
 from .questions import QUANTITIES, Question, asked, check_options, require_masses
@@ -69,6 +70,9 @@ class ClosedForm:
             for j, column in enumerate(columns)
             if self.expression[i, j] != 0
         ]
+
+    def _repr_html_(self) -> str:
+        return str(surface("notebook").html(self))
 
     def __str__(self) -> str:
         """Every entry that is not zero on a line of its own; numbers to 6 digits."""

@@ -22,6 +22,7 @@ from __future__ import annotations
 import math
 import re
 from functools import cache
+from hashlib import sha256
 from importlib import resources
 from typing import Any, NamedTuple
 
@@ -71,7 +72,11 @@ def _read(name: str) -> dict[str, Any]:
 
     if name not in catalogue_names():
         raise UnknownNameError("KS312", f"no catalogue robot {name!r}", nearest(name, catalogue_names()))
-    return tomllib.loads(resources.files(__package__).joinpath(f"{name}.toml").read_text(encoding="utf-8"))
+    return tomllib.loads(_bytes(name).decode("utf-8"))
+
+
+def _bytes(name: str) -> bytes:
+    return resources.files(__package__).joinpath(f"{name}.toml").read_bytes()
 
 
 def catalogue_entries() -> tuple[Entry, ...]:
@@ -99,7 +104,8 @@ def read_catalogue(name: str) -> RobotDescription:
         links.append(LinkDescription(tool["link"]))
         before = tool["link"]
     documents = "; ".join(source["document"] for source in data["source"])
-    return RobotDescription(data["name"], tuple(links), tuple(joints), documents, tip=before)
+    digest = sha256(_bytes(name)).hexdigest()
+    return RobotDescription(data["name"], tuple(links), tuple(joints), documents, tip=before, digest=digest)
 
 
 def exact_number(value: float | str) -> float:
