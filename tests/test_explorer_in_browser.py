@@ -393,7 +393,7 @@ def test_names_of_a_file_run_no_script(page_of, name):
     arm = ks.from_dh([(1, 0, 0, 0), (1, 0, 0, 0)], convention="standard", name=name, joint_names=[name, f"{name}2"])
     with explore(arm, [0.3, 0.0]) as explorer:
         tab = opened(page_of, explorer)
-        for word in ("Statics", "Singular", "Jacobian", "Motion", "View", "Files"):
+        for word in ("Statics", "Singular", "Jacobian", "View", "Files"):
             show_tab(tab, word)
             tab.page.wait_for_timeout(60)
         assert tab.page.evaluate("window.RAN") is None

@@ -12,11 +12,11 @@ from ..scene.solids import Solid
 from .files_tab import FilesTab
 from .jacobian_tab import JacobianTab
 from .joints_tab import JointsTab
-from .motion_tab import MotionTab
+from .motion_plot import MotionPlot
 from .session import Session
 from .singular_tab import SingularTab
 from .statics_tab import StaticsTab
-from .tables import ready, verdict
+from .tables import STYLE, ready, verdict
 from .tool import Tool
 from .view_tab import ViewTab
 from .words import shown_name
@@ -26,7 +26,8 @@ class Page:
     """A page on a server of viser; everyone who opens it sees, and moves, the same arm.
 
     Attributes:
-        session: what it is about; tabs by name: joints, statics, singular, jacobian, motion, view, files; tool: the gizmo.
+        session: what it is about; scene: the arm; tool: the gizmo; motion: the plot.
+        joints, statics, singular, jacobian, view, files: the tabs.
     """
 
     def __init__(self, server: Any, session: Session, solids: Sequence[Solid], seed: int = 0) -> None:
@@ -37,10 +38,12 @@ class Page:
         gui.main_panel.dock_right()
         gui.set_panel_label(shown_name(session.model.name))
         self.scene = ArmScene(server, session.model, solids)
+        gui.add_html(STYLE)
         self.verdict = gui.add_html("")
         tabs = gui.add_tab_group()
         with tabs.add_tab("Joints"):
             self.joints = JointsTab(gui, session, seed)
+            self.motion = MotionPlot(gui, session)
         with tabs.add_tab("Statics"):
             self.statics = StaticsTab(gui, session, self.attempt)
         with tabs.add_tab("Singular"):
@@ -48,8 +51,6 @@ class Page:
             self.singular.changed = self._say
         with tabs.add_tab("Jacobian"):
             self.jacobian = JacobianTab(gui, session)
-        with tabs.add_tab("Motion"):
-            self.motion = MotionTab(gui, session)
         with tabs.add_tab("View"):
             self.view = ViewTab(gui, self.scene.body.has_solids, fitting_view(session.analysis, self.scene.size), self.draw)
         with tabs.add_tab("Files"):

@@ -26,6 +26,7 @@ STYLE = """
 .ks table{border-collapse:collapse;width:100%}
 .ks th,.ks td{padding:.08rem .2rem;text-align:right;white-space:nowrap}
 .ks th:first-child,.ks td.name{text-align:left;max-width:6.2rem;overflow:hidden;text-overflow:ellipsis}
+.ks tbody th{width:1%}
 .ks thead th{font-weight:500;opacity:.75;border-bottom:1px solid rgba(128,128,128,.4)}
 .ks tr.dependent th,.ks tr.dependent td{background:rgba(213,94,0,.16)}
 .ks tr.still th,.ks tr.still td{opacity:.45}
@@ -34,15 +35,16 @@ STYLE = """
 .ks .track{display:block;position:relative;height:9px;min-width:44px;background:rgba(128,128,128,.18);border-radius:2px}
 .ks .track i{position:absolute;top:0;bottom:0;border-radius:2px}
 .ks .motion{background:#0072b2}.ks .force{background:#d55e00}.ks .over{background:#b3261e}
+.ks .of-motion{color:#0072b2}.ks .of-force{color:#b34d00}
 .ks .middle{left:50%;width:1px;background:rgba(128,128,128,.7)}
 </style>
 """
-"""The one sheet of the page's tables; a constant of ours, without any text of a robot."""
+"""The one sheet of the page's tables, which stands on the page once; a constant, without any text of a robot."""
 
 
 def framed(*parts: Part) -> str:
     """Markup for the page's panel."""
-    return STYLE + tag("div", *parts, class_="ks")
+    return str(tag("div", *parts, class_="ks"))
 
 
 def ready() -> str:
@@ -64,8 +66,12 @@ def verdict(a: Analysis, near: Sequence[Distance] | None, words: str) -> str:
         data_rank=a.rank,
         data_least=repr(least),
     )
-    lost = [tag("p", "lost: ", screw.text) for screw in a.lost_twists] if a.is_singular else []
-    free = [tag("p", "held for free: ", screw.text) for screw in a.free_wrenches] if a.is_singular else []
+    lost = [tag("p", tag("b", "lost: ", class_="of-motion"), screw.text) for screw in a.lost_twists] if a.is_singular else []
+    free = (
+        [tag("p", tag("b", "held for free: ", class_="of-force"), screw.text) for screw in a.free_wrenches]
+        if a.is_singular
+        else []
+    )
     status = tag("p", words, class_="small", role="status") if words else None
     return framed(meter, _nearest_line(near), lost[:2], free[:2], status)
 

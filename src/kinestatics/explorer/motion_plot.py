@@ -12,7 +12,7 @@ from .session import Session
 _SHOWN = 300
 
 
-class MotionTab:
+class MotionPlot:
     """Two curves over the last postures."""
 
     def __init__(self, gui: Any, session: Session) -> None:
