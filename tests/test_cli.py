@@ -270,6 +270,22 @@ def test_options_that_the_help_of_analyze_promises(done):
     assert all(f'"{option}' in here for option in listed)
 
 
+def test_report_is_written_where_it_was_asked_for(shell, tmp_path):
+    """--report writes the page and says so; --interactive and --scene make it larger; alone they are refused."""
+    plain, rich = tmp_path / "plain.html", tmp_path / "rich.html"
+    code, out, err = shell("analyze", "planar_2r", "--report", str(plain))
+    assert (code, err) == (0, "")
+    assert str(plain) in out
+    assert plain.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+    code, _, err = shell("analyze", "planar_2r", "--report", str(rich), "--interactive", "--scene")
+    assert (code, err) == (0, "")
+    assert rich.stat().st_size > 10 * plain.stat().st_size
+    for option in ("--interactive", "--scene"):
+        code, _, err = shell("analyze", "planar_2r", option)
+        assert code == 2
+        assert "KS414" in err
+
+
 def test_payload_mount_and_several_loads(shell):
     """--payload, --mount and every --load and --push are those of the calls in Python."""
     loads = ["--load", "0,0,-30", "--load", "forearm_link=0,5,0,0,0,1", "--push", "1,0,0"]

@@ -27,10 +27,9 @@ from kinestatics.plots.artists import (
     SpaceLeader,
     SpaceLines,
     SpaceSolid,
-    arrow_outline,
-    hull,
 )
 from kinestatics.plots.boxes import Surroundings, Wanted, boxes_about, lengths_inside, spread
+from kinestatics.plots.outlines import arrow_outline, hull
 from kinestatics.plots.words import merged, places
 from kinestatics.skeleton import plane_of, skeleton
 from strategies import features

@@ -108,7 +108,7 @@ class RobotModel:
         findings: what a careful reader of the robot's file would be told.
         payloads: links that `with_payload` added.
         file: the file it was read from, None where it was not read from one.
-        digest: SHA-256 of the bytes of that file, or of the catalogue's, in hexadecimal digits; what it includes is left out.
+        digest: SHA-256 of the bytes of that file, or of the catalogue's, in hexadecimal digits; files it includes aside.
         has_masses: whether any mass was given; without, gravity is an error and not a silent zero.
 
     Example:

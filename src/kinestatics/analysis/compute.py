@@ -22,7 +22,7 @@ from ..tasks import Task, characteristic_length, find_task, prismatic_columns, w
 from .abilities import abilities, ellipsoids, greatest_payload
 from .checks import finite_array
 from .loading import held
-from .near import nearest_singularities
+from .near import singular_here
 from .result import Analysis, Margin
 
 NEAR_LIMIT = 0.05
@@ -81,7 +81,8 @@ def analyze(
     down = finite_array(checked_gravity(gravity), "gravity")
     notes: list[str] = []
     velocity, force = ellipsoids(J, found)
-    near = nearest_singularities(model, values, found, at, notes) if singularities else None
+    singular_set, card = singular_here(model, values, found, at, notes) if singularities else (None, None)
+    nowhere = () if singularities and not found.rank else None  # what never moves has no singularities
     able, speed_rows = ((), ()) if brief else abilities(model, values, J, found, down, notes)
     return Analysis(
         robot=model.name,
@@ -114,7 +115,9 @@ def analyze(
         **held(model, values, J, wrench, down, notes, brief),
         effort_limits=model.effort_limits,
         margins=_margins(model, values),
-        near=near,
+        near=nowhere if card is None else card.near,
+        singular_set=singular_set,
+        card=card,
         notes=tuple(notes),
     )
 

@@ -12,9 +12,13 @@ from ..namespaces import Array
 from ..quantities import Jacobian, Pose, Wrench
 from ..screws_in_words import Screw
 from ..statics import Capacity, JointReactions, LoadSplit
+from ..surfaces import surface
 from ..tasks import Task
+from .near import NEAR_SINGULARITY
 
 if TYPE_CHECKING:
+    from ..singular_sets import SingularSet
+    from ..singular_sets.card import Card
     from ..singular_sets.distance import Distance
 
 
@@ -111,6 +115,7 @@ class Analysis:
         effort_limits: (n) [N m or N], infinite where unknown.
         margins: one for each joint with limits.
         near: distances from the singularities, the nearest first, or None where they were not asked for or not found.
+        singular_set: the singularities themselves, and card: what they say of this posture; None likewise.
         notes: sentences about missing data.
     """
 
@@ -151,6 +156,8 @@ class Analysis:
     effort_limits: Array
     margins: tuple[Margin, ...]
     near: tuple[Distance, ...] | None
+    singular_set: SingularSet | None
+    card: Card | None
     notes: tuple[str, ...]
 
     @property
@@ -162,6 +169,42 @@ class Analysis:
     def wrench(self) -> Wrench | None:
         """The wrench that was asked about, where it was one."""
         return self.loads[0].wrench if len(self.loads) == 1 else None
+
+    @property
+    def effort_shares(self) -> Array | None:
+        """(n) what holding the arm takes of each joint's effort limit: 1 is all of it, NaN where the limit is unknown."""
+        if self.holding_torques is None:
+            return None
+        used, limits = np.abs(self.holding_torques), self.effort_limits
+        shares = np.divide(used, limits, out=np.where(used > 0, np.inf, 0.0), where=limits > 0)
+        return np.where(np.isfinite(limits), shares, np.nan)
+
+    @property
+    def close_singularities(self) -> tuple[Distance, ...]:
+        """Those of `near` that are closer than `NEAR_SINGULARITY`, while the posture is not singular itself."""
+        if self.near is None or self.is_singular:
+            return ()
+        return tuple(distance for distance in self.near if distance.value <= NEAR_SINGULARITY)
+
+    def to_html(self, **options: Any) -> str:
+        """A report as one page that needs neither network nor script, to be sent and printed; see `report.html`.
+
+        Args:
+            options: interactive, scene, command, seed, as in `kinestatics.report.html`.
+
+        Returns:
+            HTML, to be written with encoding="utf-8".
+
+        Raises:
+            MissingExtraError: KS400 without the extra `report`.
+
+        Example:
+            >>> import kinestatics as ks
+            >>> ks.analyze(ks.load("planar_2r"), [0.0, 0.5]).to_html()[:15]
+            '<!DOCTYPE html>'
+        """
+        page: str = surface("report").html(self, **options)
+        return page
 
     def to_dict(self) -> dict[str, Any]:
         """Plain lists, numbers and text, for JSON; unknown and infinite values are None."""
@@ -225,6 +268,9 @@ class Analysis:
             "reactions": _optional(self.reactions),
             "notes": list(self.notes),
         }
+
+    def _repr_html_(self) -> str:
+        return str(surface("notebook").html(self))
 
     def __str__(self) -> str:
         from .text import paragraphs

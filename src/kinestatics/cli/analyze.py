@@ -19,42 +19,43 @@ from .arguments import (
     Base,
     Hold,
     Json,
+    Loads,
+    Mount,
+    Payloads,
+    Pushes,
     Robot,
     Roots,
     Seed,
+    Task,
     Tip,
+    WrenchAt,
     read_configuration,
     read_loads,
     read_mounting,
     read_robot,
     with_payloads,
 )
+from .progress import on_terminal
 
 if TYPE_CHECKING:
     from ..analysis import Analysis
 
 _ENDINGS = (".html", ".htm", ".pdf")
-_SIX = "fx,fy,fz or fx,fy,fz,mx,my,mz [N, N m] in base axes"
 
 
-@app.command("analyze", short_help="What can this arm do, here?")
+@app.command("analyze")
 def command(
     robot: Robot,
     base: Base = None,
     tip: Tip = None,
     at: At = "home",
     seed: Seed = 0,
-    load: Annotated[list[str] | None, typer.Option(help=f"Load on the robot: {_SIX}; or link=... May be repeated.")] = None,
-    push: Annotated[
-        list[str] | None, typer.Option(help="What the robot exerts on its surroundings; as --load. May be repeated.")
-    ] = None,
-    wrench_at: Annotated[str, typer.Option(help="Link at whose origin loads and pushes act, where they name none.")] = TIP,
-    payload: Annotated[
-        list[str] | None,
-        typer.Option(help="What the tip holds: mass or mass,x,y,z of its centre [kg, m]; or link=... May be repeated."),
-    ] = None,
-    mount: Annotated[str, typer.Option(help="How the base stands: floor, ceiling, wall, or roll,pitch,yaw.")] = "floor",
-    task: Annotated[str, typer.Option(help="auto, full, position, orientation, or rows such as vx,vy,wz.")] = "auto",
+    load: Loads = None,
+    push: Pushes = None,
+    wrench_at: WrenchAt = TIP,
+    payload: Payloads = None,
+    mount: Mount = "floor",
+    task: Task = "auto",
     singularities: Annotated[bool, typer.Option(help="Find the arm's singularities, and how far they are.")] = True,
     report: Annotated[Path | None, typer.Option(help="Write a report to this file: a page (.html) or .pdf.")] = None,
     interactive: Annotated[
@@ -72,8 +73,9 @@ def command(
     _check_report(report, interactive, scene)
     model = with_payloads(read_robot(robot, base, tip, hold, package_root, allow_xacro), payload)
     q, loads, gravity = read_configuration(model, at, seed), read_loads(load, push, wrench_at), read_mounting(mount)
-    result = analyze(model, q, loads or None, task, gravity=gravity, singularities=singularities)
-    told = "" if report is None else _write_report(result, report, interactive, scene, seed if at == "random" else None)
+    with on_terminal("analyzing"):
+        result = analyze(model, q, loads or None, task, gravity=gravity, singularities=singularities)
+        told = "" if report is None else _write_report(result, report, interactive, scene, seed if at == "random" else None)
     show_json(result.to_dict()) if as_json else show(told or str(result), model)
 
 

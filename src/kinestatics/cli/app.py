@@ -105,7 +105,7 @@ def main() -> None:
     if isinstance(sys.stdout, io.TextIOWrapper):  # a terminal that cannot show a robot's name gets it with escapes
         sys.stdout.reconfigure(errors="backslashreplace")
     with warnings.catch_warnings():
-        warnings.simplefilter("always", KinestaticsWarning)
+        warnings.simplefilter("once", KinestaticsWarning)
         warnings.showwarning = _show_warning
         try:
             app(prog_name="kinestatics")

@@ -8,7 +8,7 @@ from ..analysis import Analysis, Margin
 from ..quantities import format_number, largest
 from ..report.blocks import Column, Html, Part, bullets, escaped, number, paragraph, table, tag, with_minus
 from ..report.findings import list_of, remarks_of
-from ..report.overview import _tiles as tiles_of
+from ..report.overview import tiles_of
 from ..report.pictures import pictures_of
 from ..report.words import counted, effort_unit, joint_value, kinds_of, margin_words, percent
 from ..tasks import model_of

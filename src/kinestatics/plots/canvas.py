@@ -167,7 +167,7 @@ class Flat(Canvas):
         """The outline of a convex body."""
         from matplotlib.patches import Polygon
 
-        from .artists import hull
+        from .outlines import hull
 
         del faces
         corners = hull(self.project(points))

@@ -84,7 +84,7 @@ def load(
         bars = below if bars is None else bars
     canvas = canvas_for(model, place, view)
     draw_arm(canvas, bones, frames=False)
-    _draw_loads(canvas, model, values, bones, applied)
+    draw_loads(canvas, model, values, bones, applied)
     if bars is not None:
         torque_bars(model, values, loads, gravity=gravity, ax=bars)
     return canvas.finish()
@@ -98,7 +98,7 @@ def _two_rows(model: RobotModel, figure: Any) -> tuple[Cell, Cell]:
     return Cell(figure, (0.0, share, 1.0, 1.0 - share)), Cell(figure, (0.0, 0.0, 1.0, share))
 
 
-def _draw_loads(canvas: Canvas, model: RobotModel, q: Array, bones: Skeleton, loads: Sequence[Load]) -> None:
+def draw_loads(canvas: Canvas, model: RobotModel, q: Array, bones: Skeleton, loads: Sequence[Load]) -> None:
     """Every load as an arrow at its point and a circular arrow."""
     largest = max((float(np.linalg.norm(load.wrench.array[LINEAR])) for load in loads), default=0.0)
     for load in loads:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from hashlib import sha256
+from hashlib import file_digest
 from os import PathLike
 from pathlib import Path
 from typing import Literal
@@ -69,7 +69,9 @@ def load(
         roots = tuple(Path(root) for root in package_roots)
         file = RobotFile(os.path.abspath(path), tuple(os.path.abspath(root) for root in roots), allow_xacro)
         description = _read_file(path, base, roots, allow_xacro, max_bytes)
-        description = replace(description, file=file, digest=sha256(path.read_bytes()).hexdigest())
+        with path.open("rb") as stream:
+            digest = file_digest(stream, "sha256").hexdigest()
+        description = replace(description, file=file, digest=digest)
     else:
         hint = nearest(text, catalogue_names())
         raise UnknownNameError(

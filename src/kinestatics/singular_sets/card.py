@@ -113,8 +113,8 @@ class Card:
         if self.residual > 1e-9:
             note = f"all this is of the nominal robot; the robot as given differs by up to {format_number(self.residual)}"
             lines.append(wrapped("  note   ", note))
-        lines.append(wrapped("  speed  ", self._speed()))
-        lines.append(wrapped("  force  ", self._force()))
+        lines.append(wrapped("  speed  ", self.speed_words))
+        lines.append(wrapped("  force  ", self.force_words))
         lines += [wrapped("  near   ", str(distance)) for distance in self.near[:_NEAR]]
         if not self.complete:
             lines.append(wrapped("  near   ", "others may be nearer: not all components were found in time"))
@@ -135,14 +135,16 @@ class Card:
         length = self.decomposition.characteristic_length
         return describe_lost_twist(self.weakest, "base", self.at, length).text.removeprefix("no ")
 
-    def _speed(self) -> str:
+    @property
+    def speed_words(self) -> str:
         if not np.isfinite(self.gain):
             return f"near here the lost motion takes rates without bound of {self._joints()}"
         unit = "rad/s" if not np.any(prismatic_columns(self.model)) else "rad/s or m/s"
         size = f"a twist of size 1, {format_number(self.decomposition.characteristic_length)} m times the turning"
         return f"{self._weakest_words()} takes the most: {format_number(self.gain)} {unit} for {size}, by {self._joints()}"
 
-    def _force(self) -> str:
+    @property
+    def force_words(self) -> str:
         if not np.isfinite(self.gain):
             return "the structure carries what is held for free, as a straight leg does: large forces for no torque"
         size = format_number(100.0 / self.gain)
