@@ -155,15 +155,11 @@ def _tip_index(model: RobotModel, at: str) -> int | None:
 
 def _joints(model: RobotModel, poses: definition.JointPoses, q: Array) -> list[DrawnJoint]:
     """All moving joints, parents first."""
-    joints: list[DrawnJoint] = []
-    for i, parent in enumerate(model.parents):
-        before = joints[parent].end if parent >= 0 else np.zeros(3)
-        joints.append(_joint(model, poses, i, before, q))
-    return joints
+    return [_joint(model, poses, i, q) for i in range(len(model.parents))]
 
 
-def _joint(model: RobotModel, poses: definition.JointPoses, i: int, before: Array, q: Array) -> DrawnJoint:
-    """A joint, drawn at its frame's origin; where its axis passes elsewhere, at its point nearest to the link before."""
+def _joint(model: RobotModel, poses: definition.JointPoses, i: int, q: Array) -> DrawnJoint:
+    """A joint, drawn at its frame's origin; where its axis passes elsewhere, at its point nearest to that origin."""
     R, p, screw = poses.R[i], poses.p[i], model.screws[i]
     v, w = R @ screw[LINEAR], R @ screw[ANGULAR]
     direction = w if np.any(w) else v
@@ -171,7 +167,7 @@ def _joint(model: RobotModel, poses: definition.JointPoses, i: int, before: Arra
     advance = moved * float(v @ direction)
     foot = p + np.cross(w, v)
     on_axis = not np.any(w) or float(np.linalg.norm(np.cross(w, v))) < _SAME
-    end = p if on_axis else foot + direction * float(direction @ (before - foot)) + advance * direction
+    end = p if on_axis else foot
     return DrawnJoint(model.moving_names[i], model.kinds[i], model.columns[i], end - advance * direction, end, direction)
 
 

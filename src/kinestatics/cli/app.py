@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import sys
 import warnings
+from collections.abc import Callable
 from importlib import import_module
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -105,8 +106,8 @@ def main() -> None:
     if isinstance(sys.stdout, io.TextIOWrapper):  # a terminal that cannot show a robot's name gets it with escapes
         sys.stdout.reconfigure(errors="backslashreplace")
     with warnings.catch_warnings():
-        warnings.simplefilter("once", KinestaticsWarning)
-        warnings.showwarning = _show_warning
+        warnings.simplefilter("always", KinestaticsWarning)
+        warnings.showwarning = _warning_shower()
         try:
             app(prog_name="kinestatics")
         except KinestaticsError as error:
@@ -121,8 +122,16 @@ def _show_error(text: str, painted: str) -> None:
     typer.echo(printable(text).replace(painted, paint(painted, "error", sys.stderr), 1), err=True)
 
 
-def _show_warning(message: Warning | str, *_: object, **__: object) -> None:
-    typer.echo(f"{paint('warning:', 'warning', sys.stderr)} {printable(str(message))}", err=True)
+def _warning_shower() -> Callable[..., None]:
+    """What shows warnings of one command: each once, however many steps of it come upon the same."""
+    seen: set[str] = set()
+
+    def show_warning(message: Warning | str, *_: object, **__: object) -> None:
+        if (text := printable(str(message))) not in seen:
+            seen.add(text)
+            typer.echo(f"{paint('warning:', 'warning', sys.stderr)} {text}", err=True)
+
+    return show_warning
 
 
 def show_json(data: Any) -> None:

@@ -122,26 +122,27 @@ class SingularTab:
     def _take(self) -> None:
         """The null motion of this posture, for the slider."""
         wanted = int(self.direction.value) - 1 if self.direction.visible else 0
-        try:
-            path = self_motion(self._session.model, self._session.situation.q, direction=wanted, length=_ALONG, step=_STEP)
-        except KinestaticsError as error:
-            self._told(error.message)
-            return
-        self._path = path
-        self.direction.max, self.direction.visible = path.directions, path.directions > 1
-        self.along.disabled, self.along.value = False, 0.0
-        self._told(path.reason)
+        with self._session.lock:
+            model, q = self._session.model, self._session.situation.q
+            path = self_motion(model, q, direction=wanted, length=_ALONG, step=_STEP)
+            self._session.mark()
+            self._path = path
+            self.direction.max, self.direction.visible = path.directions, path.directions > 1
+            self.along.disabled, self.along.value = False, 0.0
+            self._told(path.reason)
 
     def _follow(self) -> None:
-        if self._path is None:
-            return
-        k = int(np.argmin(np.abs(self._path.s - self.along.value)))
-        self._following = True
-        try:
-            self._session.change(undo=False, q=self._path.q[k])
-        finally:
-            self._following = False
-        self._told(f"the tip is {self._path.held[k]:.2g} m from where it was")
+        """The posture at the slider. Several events may come at once; the lock keeps each with the path it belongs to."""
+        with self._session.lock:
+            if self._path is None:
+                return
+            k = int(np.argmin(np.abs(self._path.s - self.along.value)))
+            self._following = True
+            try:
+                self._session.change(undo=False, q=self._path.q[k])
+            finally:
+                self._following = False
+            self._told(f"the tip is {self._path.held[k]:.2g} m from where it was")
 
     def _describe(self) -> None:
         if self._found is None:

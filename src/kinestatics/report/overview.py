@@ -128,8 +128,7 @@ def _effort(a: Analysis) -> _Tile:
 def _payload(a: Analysis) -> _Tile:
     found = a.payload_capacity
     assert found is not None
-    more = "more " if a.payloads else ""
-    question = f"Greatest {more}payload"
+    question = "Further payload" if a.payloads else "Greatest payload"
     if not found.holds_itself:
         return _Tile(question, badge("none", "bad"), number(0.0, "kg"), found.verdict)
     value = float(found.value)

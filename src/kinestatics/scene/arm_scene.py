@@ -26,6 +26,7 @@ from .solids import Solid
 
 _BODY, _ARROW = 0.3, 0.35
 """Of the arm's size: half the length of a typical body, and the length of a load's arrow."""
+_SKY = 3.0  # brightness of the light from above and around
 _FAR_AWAY = 1.25  # arm's sizes from which it is looked at
 SHAPES = ("none", "ellipsoid", "polytope")
 
@@ -83,6 +84,8 @@ class ArmScene:
         self.metres_per_newton = _ARROW * self.size / 100.0
         scene.world_axes.visible = False
         scene.configure_default_lights(cast_shadow=False)
+        scene.configure_environment_map(None)  # mirrored surroundings take seconds to prepare without a graphics card
+        scene.add_light_hemisphere("/light", intensity=_SKY)
         scene.add_frame(
             "/base", axes_length=0.12 * self.size, axes_radius=0.004 * self.size, origin_radius=0.006 * self.size
         )
