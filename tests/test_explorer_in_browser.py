@@ -206,7 +206,7 @@ def gizmo_pixels(explorer, place):
 
 def test_button_lands_on_the_nearest_singularity(page_of, ur5e):
     """The nearest by name; the smallest singular value is then below 1e-9 of the largest, all joints inside their limits."""
-    nearest = ur5e.page.singular._found.distance(REGULAR)[0]
+    nearest = ur5e.page.singular._found.distance(REGULAR, within_limits=True)[0]
     tab = opened(page_of, ur5e)
     show_tab(tab, "Singular")
     press(tab, "go there")

@@ -11,6 +11,7 @@ import numpy as np
 from ..errors import KinestaticsError
 from ..inverse_velocity import SelfMotion, self_motion
 from ..namespaces import Array
+from ..quantities import format_number
 from ..singular_sets import SingularSet, singularities
 from ..singular_sets.distance import Distance
 from .session import Session
@@ -84,7 +85,7 @@ class SingularTab:
                 self._show()
                 return
         q = self._session.situation.q
-        near = self._found.distance(q)
+        near = self._found.distance(q, within_limits=True)
         if np.array_equal(q, self._session.situation.q):  # else a newer question is on its way
             self.near = near
             self._show()
@@ -97,18 +98,15 @@ class SingularTab:
         if self._found is None:
             self._told(self.problem or "the singularities are still being looked for")
             return
-        q = self._session.situation.q
-        near = [d for d in self._found.distance(q) if d.nearest is not None]
+        near = self._found.distance(self._session.situation.q, within_limits=True)
         if self.which.value != NEAREST:
-            near = [d for d in near if d.component.label == self.which.value]
-        inside = [d for d in near if d.nearest is not None and np.array_equal(self._session.inside(d.nearest), d.nearest)]
-        if not inside:
-            where = "outside the joint limits" if near else "not known"
-            self._told(f"the nearest singular posture is {where}: {', '.join(str(d) for d in near[:1])}")
+            near = tuple(d for d in near if d.component.label == self.which.value)
+        target = next((d for d in near if d.nearest is not None), None)
+        if target is None:
+            self._told("; ".join(map(str, near)) or "no singularity is known")
             return
-        target = inside[0]
         self._travel(np.asarray(target.nearest))
-        self._told(f"at {target.component.label}, {target}".split(", at least")[0] + " from where it was")
+        self._told(f"{target.component.label}: it was {format_number(target.value)} away in joint space")
 
     def _travel(self, target: Array) -> None:
         """To a posture in steps that one can follow; the last is the posture itself."""

@@ -203,20 +203,22 @@ def nearest(near: Sequence[Distance] | None, problem: str) -> str:
     for distance in near:
         value = format_number(distance.value) if np.isfinite(distance.value) else "–"
         degrees = f"{format_number(round(float(np.degrees(distance.value)), 2))}°" if np.isfinite(distance.value) else "–"
-        far = distance.component.within_limits is False
+        far = distance.nearest is None
         rows.append(
             tag(
                 "tr",
                 tag("td", distance.component.label, class_="name", title=str(distance), data_quantity="singularity"),
                 tag("td", value, data_value=repr(distance.value)),
                 tag("td", degrees),
-                tag("td", format_number(distance.at_least)),
+                tag("td", format_number(distance.at_least) if np.isfinite(distance.at_least) else "–"),
                 class_="still" if far else None,
             )
         )
     head = tag("tr", [tag("th", word, scope="col") for word in ("singularity", "rad", "deg", "at least")])
-    words = "√Σ(q − nearest)² in joint space [rad, m for sliding joints]; no point of it is nearer than “at least”, proved"
-    pale = tag("p", "pale: outside the joint limits", class_="small") if any("still" in row for row in rows) else None
+    words = (
+        "to the nearest posture inside the joint limits, √Σ(q − nearest)² [rad, m for sliding joints]; “at least” is proved"
+    )
+    pale = tag("p", "pale: none inside the joint limits", class_="small") if any("still" in row for row in rows) else None
     return framed(tag("table", tag("thead", head), tag("tbody", rows)), tag("p", words, class_="small"), pale)
 
 

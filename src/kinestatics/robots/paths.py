@@ -28,7 +28,7 @@ class Search:
         """Paths at which `name` may be found, and the folders that none of them may leave.
 
         package://NAME/rest is looked up in every root (as root/NAME/rest, and root/rest where the root is called NAME) and
-        in the folders above the model that are called NAME, as ROS does.
+        in the folders above the model that are called NAME, as ROS does. package:///rest is root/rest.
         """
         allowed = [self.folder, *self.roots]
         scheme, separator, rest = name.partition("://")
@@ -38,8 +38,10 @@ class Search:
         if scheme == "file":
             return [os.path.join(self.folder, rest)], allowed
         package, _, inside = rest.partition("/")
-        if scheme != "package" or not package:  # the empty name would be that of the file system's root
+        if scheme != "package":
             return [], allowed
+        if not package:  # package:///rest names no package: looked up in the roots alone, for "" is the file system's root
+            return [os.path.join(root, inside) for root in self.roots], allowed
         named = [folder for folder in self._above if os.path.basename(folder) == package]
         found = [os.path.join(root, package, inside) for root in self.roots] + [os.path.join(f, inside) for f in named]
         return found, allowed + named

@@ -14,38 +14,44 @@ from .components import Component
 from .equations import Equation
 
 _STARTS, _WALK, _NEWTON = 64, 80, 12
-_SLACK = 1e-9  # the bound is kept this much below what floats say, relative
+SLACK = 1e-9  # the bound is kept this much below what floats say, relative
 
 
 @dataclass(frozen=True, eq=False)
 class Distance:
-    """The distance of a posture from one component.
+    """The distance of a posture from one component, or from what of it lies inside the joint limits.
 
     Attributes:
         component: the component.
         value: √Σ(q - nearest)², the shortest found [rad, and m where joints slide]; infinite where no point was found.
         nearest: (n) the singular posture there; None where no point was found.
-        at_least: no point of the component is nearer than this: proved from bounds of derivatives, to rounding.
+        at_least: no point is nearer than this: proved from bounds of derivatives, to rounding. Infinite where none is
+            inside the limits.
+        inside: whether it is of points inside the joint limits, and not of all.
     """
 
     component: Component
     value: float
     nearest: Array | None
     at_least: float
+    inside: bool = False
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""
         nearest = None if self.nearest is None else self.nearest.tolist()
-        value = self.value if np.isfinite(self.value) else None
-        return {"name": self.component.name, "value": value, "nearest": nearest, "at_least": self.at_least}
+        value, at_least = (x if np.isfinite(x) else None for x in (self.value, self.at_least))
+        return {
+            "name": self.component.name, "value": value, "nearest": nearest, "at_least": at_least, "inside": self.inside,
+        }  # fmt: skip
 
     def __str__(self) -> str:
         name, unit = self.component.label, "rad" if all(self.component.space.half.ring.turns) else "rad, m"
         degrees = f" ({format_number(np.degrees(self.value))}°)" if unit == "rad" else ""
+        where = " inside the joint limits" if self.inside else ""
         if not np.isfinite(self.value):
-            return f"{name}: no posture was found"
-        text = f"{name}: {format_number(self.value)} {unit}{degrees}, at least {format_number(self.at_least)}"
-        return text + (", outside the joint limits" if self.component.within_limits is False else "")
+            return f"{name}: no posture {'was found' if np.isfinite(self.at_least) else 'is'}{where}"
+        text = f"{name}: {format_number(self.value)} {unit}{degrees}{where}, at least {format_number(self.at_least)}"
+        return text + (", outside the joint limits" if not self.inside and self.component.within_limits is False else "")
 
 
 def distance_to(component: Component, q: Array, seed: int = 0) -> Distance:
@@ -60,7 +66,7 @@ def distance_to(component: Component, q: Array, seed: int = 0) -> Distance:
         for equation in single:
             nearest[equation.columns[0]] = _closest(equation, q)
         value = float(np.linalg.norm(nearest - q))
-        return Distance(component, value, nearest, value * (1.0 - _SLACK))
+        return Distance(component, value, nearest, value * (1.0 - SLACK))
     at_least = lower_bound(component, q)
     starts = np.concatenate([q[None], component.points, q + _spread(component, q, seed)])
     x, solved = component.projected(starts, wrap=False)
@@ -81,7 +87,7 @@ def lower_bound(component: Component, q: Array) -> float:
     radii = [0.0]
     for equation in component.equations:
         if equation.solutions is not None:
-            radii.append(abs(_closest(equation, q) - q[equation.columns[0]]) * (1.0 - _SLACK))
+            radii.append(abs(_closest(equation, q) - q[equation.columns[0]]) * (1.0 - SLACK))
         else:
             radii.append(min(free_radius(f, q) for f in equation.functions))
     return max(radii)
@@ -95,7 +101,7 @@ def free_radius(f: WaveFunction, q: Array) -> float:
     slope, bend = float(np.linalg.norm(f.gradient(q))), float(np.linalg.norm(f.hessian_bound, 2))
     if value <= 0 or slope + bend == 0:
         return 0.0
-    return (1.0 - _SLACK) * 2.0 * value / (slope + np.sqrt(slope * slope + 2.0 * bend * value))
+    return (1.0 - SLACK) * 2.0 * value / (slope + np.sqrt(slope * slope + 2.0 * bend * value))
 
 
 def _closest(equation: Equation, q: Array) -> float:

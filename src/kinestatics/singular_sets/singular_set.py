@@ -14,10 +14,12 @@ from ..model import RobotModel
 from ..namespaces import Array
 from ..progress import Job, Progress
 from ..statics import RANK_TOLERANCE
+from ..surfaces import surface
 from ..symbolic.functions import WaveFunction
 from ..symbolic.printing import shortest
 from ..tasks import Task
 from .aspects import Aspects, box_of, count_aspects
+from .bounded_distance import distance_inside
 from .card import Card, card_of
 from .certificate import Certificate, certify, certify_path, checked_corners
 from .components import Component, spectrum
@@ -156,10 +158,18 @@ class SingularSet:
         card = card_of(self.model, self.link, self.task, array, on, near, second, reach, tolerance, self.residual)
         return replace(card, complete=self.complete)
 
-    def distance(self, q: Any) -> tuple[Distance, ...]:
-        """The distance of a posture (n) from every component, the nearest first; limits are not looked at.
+    def distance(self, q: Any, *, within_limits: bool = False) -> tuple[Distance, ...]:
+        """The distance of a posture (n) from every component, the nearest first.
 
         Where the set is not `complete`, of the components that are known: others may be nearer.
+
+        Args:
+            q: [rad or m]; it may be outside the limits.
+            within_limits: whether to look for the nearest postures inside the joint limits, where the arm can go; without,
+                limits are not looked at.
+
+        Returns:
+            A `Distance` for each component: `nearest` is None where no posture was found.
 
         Example:
             >>> import kinestatics as ks
@@ -169,7 +179,8 @@ class SingularSet:
         """
         array = self._configuration(q)
         self._exact_lengths()
-        return tuple(sorted((distance_to(c, array) for c in self.components), key=lambda d: d.value))
+        measure = distance_inside if within_limits else distance_to
+        return tuple(sorted((measure(c, array) for c in self.components), key=lambda d: d.value))
 
     def certify_free(
         self, box: Any = None, *, path: Any = None, budget: float = 2.0, progress: Progress | None = None
@@ -367,6 +378,9 @@ class SingularSet:
     def to_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""
         return data_of(self)
+
+    def _repr_html_(self) -> str:
+        return str(surface("notebook").html(self))
 
     def __str__(self) -> str:
         return text_of(self)
