@@ -69,9 +69,10 @@ def load(
         roots = tuple(Path(root) for root in package_roots)
         file = RobotFile(os.path.abspath(path), tuple(os.path.abspath(root) for root in roots), allow_xacro)
         description = _read_file(path, base, roots, allow_xacro, max_bytes)
-        with path.open("rb") as stream:
-            digest = file_digest(stream, "sha256").hexdigest()
-        description = replace(description, file=file, digest=digest)
+        if not description.digest:  # a reader in a process of its own saw the bytes, and not we
+            with path.open("rb") as stream:
+                description = replace(description, digest=file_digest(stream, "sha256").hexdigest())
+        description = replace(description, file=file)
     else:
         hint = nearest(text, catalogue_names())
         raise UnknownNameError(

@@ -41,7 +41,7 @@ class Search:
         if scheme != "package":
             return [], allowed
         if not package:  # package:///rest names no package: looked up in the roots alone, for "" is the file system's root
-            return [os.path.join(root, inside) for root in self.roots], allowed
+            return [os.path.join(root, inside.lstrip(os.sep)) for root in self.roots], allowed
         named = [folder for folder in self._above if os.path.basename(folder) == package]
         found = [os.path.join(root, package, inside) for root in self.roots] + [os.path.join(f, inside) for f in named]
         return found, allowed + named

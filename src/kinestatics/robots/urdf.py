@@ -6,6 +6,8 @@ Kinematics needs neither meshes nor sound inertias: what is wrong with them is a
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
+from hashlib import sha256
 from pathlib import Path
 
 import numpy as np
@@ -37,7 +39,8 @@ def read_urdf(
         RobotFileError: KS100-KS180, with file, line and column.
     """
     data = read_file(path, max_bytes)
-    return parse_urdf(data, str(path), package_roots=package_roots, base=base, max_bytes=max_bytes)
+    found = parse_urdf(data, str(path), package_roots=package_roots, base=base, max_bytes=max_bytes)
+    return replace(found, digest=sha256(data).hexdigest())
 
 
 def parse_urdf(

@@ -105,9 +105,7 @@ class ArmScene:
         R, p = a.pose.rotation, a.pose.translation
         with self._server.atomic():
             self.body.place(a.configuration)
-            self.body.show(
-                solids=view.solids, bones=view.bones and not (view.solids and self.body.has_solids), axes=view.axes
-            )
+            self.body.show(solids=view.solids, bones=view.bones, axes=view.axes)
             self._tip.wxyz, self._tip.position = quaternions(R), p
             _show(self._velocity, view.velocity, a.velocity_ellipsoid, polytopes[0], p, view.velocity_scale)
             _show(self._force, view.force, a.force_ellipsoid, polytopes[1], p, view.force_scale)

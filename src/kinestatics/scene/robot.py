@@ -25,7 +25,7 @@ class RobotBody:
     """An arm in a scene; `place` moves it.
 
     Attributes:
-        has_solids: whether it is drawn with solids of its own (meshes), not only with links and joints.
+        has_solids: whether there are solids of its own (meshes), and not only links and joints.
     """
 
     def __init__(self, scene: Any, model: RobotModel, size: float, solids: Sequence[Solid] = ()) -> None:
@@ -33,18 +33,21 @@ class RobotBody:
         self._frames = [scene.add_frame(f"/robot/{i}", show_axes=False) for i in range(len(model.parents))]
         self._solids = [self._solid(k, solid) for k, solid in enumerate(solids)]
         self._bones = [*self._links(), *self._joints()]
+        self._covered = {model.link_joints[model.link(solid.link)] for solid in solids}
         self._axes = self._joint_axes()
         self._rods = {i: self._rod(i) for i in self._sliding()}
         self.has_solids = bool(self._solids)
-        self.show(solids=self.has_solids, bones=not self.has_solids, axes=True)
+        self.show(solids=True, bones=True, axes=True)
 
     def show(self, *, solids: bool, bones: bool, axes: bool) -> None:
-        """What of the arm is seen."""
-        for group, visible in ((self._solids, solids), (self._bones, bones), (self._axes, axes)):
+        """What of the arm is seen. What has solids needs no bones; parts whose meshes are missing are drawn by theirs."""
+        for group, visible in ((self._solids, solids), (self._axes, axes)):
             for handle in group:
                 handle.visible = visible
-        for handle in self._rods.values():
-            handle.visible = bones
+        for carrier, handle in self._bones:
+            handle.visible = bones and not (solids and carrier in self._covered)
+        for carrier, handle in self._rods.items():
+            handle.visible = bones and not (solids and carrier in self._covered)
 
     def place(self, q: Array) -> None:
         """Moves the arm to q (n)."""
@@ -77,26 +80,20 @@ class RobotBody:
         look["flat_shading"] = True  # corners are shared by faces that meet at an edge
         return self._scene.add_mesh_simple(node, solid.vertices @ R.T + p, solid.faces, **look)
 
-    def _links(self) -> list[Any]:
-        """The links as rods, with round ends."""
-        made = []
+    def _links(self) -> list[tuple[int, Any]]:
+        """The links as rods with round ends, each with the joint that carries it."""
+        made, rod = [], cylinder(1.0, 1.0)
+        look: dict[str, Any] = {"color": rgb(LINK), "cast_shadow": False}
         for k, (carrier, line) in enumerate(rigid_lines(self._model)):
             wxyz, position, scale = between(line[0], line[1], self._thick)
-            rod = cylinder(1.0, 1.0)
-            node = self._node(carrier, f"link{k}")
-            options: dict[str, Any] = {"color": rgb(LINK), "cast_shadow": False}
-            made.append(
-                self._scene.add_mesh_simple(
-                    node, rod.vertices, rod.faces, wxyz=wxyz, position=position, scale=scale, **options
-                )
-            )
-            made += [
-                self._scene.add_icosphere(f"{node}end{e}", self._thick, subdivisions=2, position=end, **options)
-                for e, end in enumerate(line)
-            ]
+            node, placed = self._node(carrier, f"link{k}"), {"wxyz": wxyz, "position": position, "scale": scale}
+            made.append((carrier, self._scene.add_mesh_simple(node, rod.vertices, rod.faces, **placed, **look)))
+            for e, end in enumerate(line):
+                ball = self._scene.add_icosphere(f"{node}end{e}", self._thick, subdivisions=2, position=end, **look)
+                made.append((carrier, ball))
         return made
 
-    def _joints(self) -> list[Any]:
+    def _joints(self) -> list[tuple[int, Any]]:
         """A drum about the axis of a joint that turns, a block along that of one that slides."""
         made = []
         for i, (foot, direction, turns) in enumerate(self._axis_lines()):
@@ -104,11 +101,8 @@ class RobotBody:
             wxyz, position, scale = between(foot - half * direction, foot + half * direction, radius)
             solid = cylinder(1.0, 1.0) if turns else box(2.0, 2.0, 1.0)
             options: dict[str, Any] = {"color": rgb(EDGE), "cast_shadow": False, "flat_shading": not turns}
-            made.append(
-                self._scene.add_mesh_simple(
-                    self._node(i, "drum"), solid.vertices, solid.faces, wxyz=wxyz, position=position, scale=scale, **options
-                )
-            )
+            options |= {"wxyz": wxyz, "position": position, "scale": scale}
+            made.append((i, self._scene.add_mesh_simple(self._node(i, "drum"), solid.vertices, solid.faces, **options)))
         return made
 
     def _joint_axes(self) -> list[Any]:

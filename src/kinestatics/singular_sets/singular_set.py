@@ -19,14 +19,14 @@ from ..symbolic.functions import WaveFunction
 from ..symbolic.printing import shortest
 from ..tasks import Task
 from .aspects import Aspects, box_of, count_aspects
-from .bounded_distance import distance_inside
 from .card import Card, card_of
 from .certificate import Certificate, certify, certify_path, checked_corners
 from .components import Component, spectrum
-from .distance import Distance, distance_to
+from .distance import Distance
 from .enclosure import Domain
 from .equations import DIGITS, Equation, Space, digits_of
 from .exclusion import Exclusion
+from .nearest import nearest_posture
 from .reach import on_boundary
 from .second_order import second_order
 from .text import data_of, text_of
@@ -179,8 +179,8 @@ class SingularSet:
         """
         array = self._configuration(q)
         self._exact_lengths()
-        measure = distance_inside if within_limits else distance_to
-        return tuple(sorted((measure(c, array) for c in self.components), key=lambda d: d.value))
+        found = (nearest_posture(component, array, within_limits) for component in self.components)
+        return tuple(sorted(found, key=lambda d: d.value))
 
     def certify_free(
         self, box: Any = None, *, path: Any = None, budget: float = 2.0, progress: Progress | None = None

@@ -1,4 +1,4 @@
-"""How far a posture is from those of a component that lie inside the joint limits: the nearest of these, and a bound."""
+"""The nearest posture of a component, anywhere or inside the joint limits, and a bound that none is nearer."""
 
 from __future__ import annotations
 
@@ -24,30 +24,38 @@ _LONGEST = 1.0  # step towards the component
 _REGULAR = 1e-13
 
 
-def distance_inside(component: Component, q: Array, seed: int = 0) -> Distance:
-    """The distance of one posture (n), inside or not, from what of a component lies inside the joint limits.
+def nearest_posture(component: Component, q: Array, within_limits: bool, seed: int = 0) -> Distance:
+    """The distance of one posture (n) from a component, or from what of it lies inside the joint limits.
 
     Law: the nearest point x satisfies f(x) = 0 and x = clip(q - Gᵀλ), G the gradients of the equations: a joint stands at a
     limit exactly where it would go beyond. One joint's equations are solved exactly; others from many starts, each walked
     along the component inside the limits and polished by Newton steps that hold and release joints by that law.
     """
-    limits = _Limits(component.space.model.lower, component.space.model.upper, np.array(component.space.half.ring.turns))
+    limits = _limits_of(component, within_limits)
     settled = _settled(component, limits, q)
     if not all(map(len, settled.values())):
-        return Distance(component, float("inf"), None, float("inf"), inside=True)
+        return Distance(component, float("inf"), None, float("inf"), within_limits)
     coupled = replace(component, equations=tuple(e for e in component.equations if e.solutions is None))
     nearest = np.clip(q, limits.lower, limits.upper)
     for j, values in settled.items():
         nearest[j] = values[0]
     if not coupled.equations and not coupled.others:
         value = float(np.linalg.norm(nearest - q))
-        return Distance(component, value, nearest, value * (1.0 - SLACK), inside=True)
+        return Distance(component, value, nearest, value * (1.0 - SLACK), within_limits)
     at_least = _bound(coupled, nearest - q, q)
     boxes = _boxes(coupled, limits, settled, nearest)
     found = (_shortest(box, _starts(component, box, limits, q, len(boxes), seed), q) for box in boxes)
     best = min((x for x in found if x is not None), key=lambda x: float(np.linalg.norm(x - q)), default=None)
     value = float("inf") if best is None else float(np.linalg.norm(best - q))
-    return Distance(component, value, best, at_least, inside=True)
+    return Distance(component, value, best, at_least, within_limits)
+
+
+def _limits_of(component: Component, within_limits: bool) -> _Limits:
+    """The joint limits of the robot, or none."""
+    model, turns = component.space.model, np.array(component.space.half.ring.turns)
+    if within_limits:
+        return _Limits(model.lower, model.upper, turns)
+    return _Limits(np.full(len(turns), -np.inf), np.full(len(turns), np.inf), turns)
 
 
 @dataclass(frozen=True, eq=False)
