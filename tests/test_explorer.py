@@ -41,7 +41,7 @@ def test_brief_analysis_leaves_out_and_changes_nothing():
     """What both hold is the same; a brief one holds no abilities, payload, bearings, shares of links."""
     arm, wrench = ks.load("ur5e"), ks.Wrench.on_robot(force=(0, 0, -50))
     whole, brief = (ks.analyze(arm, REGULAR, wrench, brief=word) for word in (False, True))
-    left_out = {"abilities", "speed_rows", "payload_capacity", "reactions", "gravity_by_link"}
+    left_out = {"abilities", "speed_rows", "payload_capacity", "reactions", "gravity_by_link", "potential_energy"}
     assert whole.abilities
     assert not brief.abilities
     for key, value in brief.to_dict().items():

@@ -134,7 +134,7 @@ def test_wrench_to_bars(page_of, ur5e):
     tab.wait_until(lambda: ur5e.session.situation.force == (12.5, -7.0, -80.0))
     expected = -J.array.T @ [12.5, -7.0, -80.0, 0, 0, 0]  # a load on the robot: the motors push against it
     tab.wait_until(lambda: len(read(tab, "load")) == 6)
-    np.testing.assert_allclose([float(x) for x in read(tab, "load")], expected, atol=1e-6)
+    tab.wait_until(lambda: np.allclose([float(x) for x in read(tab, "load")], expected, atol=1e-6))
     gravity = ks.gravity_torques(arm, REGULAR)
     np.testing.assert_allclose([float(x) for x in read(tab, "gravity")], gravity, atol=1e-6)
     np.testing.assert_allclose([float(x) for x in read(tab, "holding")], gravity + expected, atol=1e-6)
@@ -272,7 +272,7 @@ def test_jacobian_in_a_chosen_frame(page_of, ur5e):
 
     J = ks.jacobian(ur5e.session.model, REGULAR)
     tab.wait_until(lambda: tab.page.locator("tr[data-row]").count() == 6)
-    np.testing.assert_array_equal(table(), J.array)
+    tab.wait_until(lambda: np.array_equal(table(), J.array))
     choice = tab.page.locator("input.mantine-Select-input:visible")
     for key in ("ArrowDown", "ArrowDown", "Enter"):  # opens the list, goes down, takes what is reached
         choice.press(key)

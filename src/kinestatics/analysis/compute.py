@@ -52,8 +52,8 @@ def analyze(
         gravity: (3) in base axes [m/s²]; `gravity_in_base("ceiling")` for a mounted base.
         singularities: whether to find the arm's singular set too, and how far it is from here (extra `symbolic`; about a
             second, more for arms with spare joints). Where it cannot be had, a note says why.
-        brief: whether to leave out what the limits allow (abilities, payload), the bearings and the share of each link in
-            gravity: a third of the time, for pages that follow a moving arm.
+        brief: whether to leave out what the limits allow (abilities, payload), the bearings, the share of each link in
+            gravity and the potential energy: a third of the time, for pages that follow a moving arm.
 
     Returns:
         Analysis.

@@ -72,5 +72,5 @@ def _weight(model: RobotModel, q: Array, gravity: Array, notes: list[str], brief
     return {
         "gravity_torques": gravity_torques(model, q, gravity=tuple(gravity.tolist()), check_finite=False),
         "gravity_by_link": by_link,
-        "potential_energy": float(potential_energy(model, q, gravity=gravity, check_finite=False)),
+        "potential_energy": None if brief else float(potential_energy(model, q, gravity=gravity, check_finite=False)),
     }

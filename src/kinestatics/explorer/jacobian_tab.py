@@ -22,9 +22,9 @@ class JacobianTab:
         self._session = session
         self.frame = gui.add_dropdown("frame", tuple(FRAMES), hint="the same motion, written in other axes at another point")
         self.table = gui.add_html("")
-        self.frame.on_update(lambda _event: self.refresh())
+        self.frame.on_update(lambda _event: self.write())
 
-    def refresh(self) -> None:
+    def write(self) -> None:
         """The table to the posture."""
         a = self._session.analysis
         frame = FRAMES[self.frame.value]

@@ -70,9 +70,12 @@ class JointsTab:
         return moved
 
     def refresh(self) -> None:
-        """Sliders and bars to the posture."""
+        """Sliders to the posture."""
         for slider, x, (low, high) in zip(self.sliders, self._session.situation.q, self._ranges, strict=True):
             slider.value = _on_step(x, low, high)
+
+    def write(self) -> None:
+        """Bars of the singular values."""
         self.values.content = singular_values(self._session.analysis)
 
 

@@ -34,9 +34,9 @@ class MotionPlot:
             last = self._session.history[-1]
             self._session.history.clear()
             self._session.history.append(last)
-        self.refresh()
+        self.write()
 
-    def refresh(self) -> None:
+    def write(self) -> None:
         """Curves of the last postures."""
         samples = list(self._session.history)[-_SHOWN:]
         values = np.array([(sample.number, sample.least, sample.manipulability) for sample in samples])

@@ -20,6 +20,7 @@ from .tables import STYLE, ready, verdict
 from .tool import Tool
 from .view_tab import ViewTab
 from .words import shown_name
+from .worker import LatestWorker
 
 
 class Page:
@@ -56,6 +57,7 @@ class Page:
         with tabs.add_tab("Files"):
             self.files = FilesTab(gui, session, self.attempt, self.tell, self.scene_html, self.report_html)
         self.tool = Tool(server, session, self.scene.size, self.scene.plane, self.tell)
+        self.writer = LatestWorker("kinestatics words", lambda error: self.tell(f"{type(error).__name__}: {error}"))
         session.listen(self.refresh)
         self.refresh()
         gui.add_html(ready())  # the last message: a client that shows it has shown all the others
@@ -73,17 +75,24 @@ class Page:
         self._say()
 
     def refresh(self) -> None:
-        """Everything to the session; in one batch, so that nothing is seen half moved."""
+        """The arm, its signs and the verdict at once, in one batch; the tables when the writer comes to them."""
         with self._drawing, self.server.atomic():
             self._words = ""
             self.joints.refresh()
             self.statics.refresh()
-            self.jacobian.refresh()
-            self.motion.refresh()
             self.singular.refresh()
             self.tool.refresh()
             self._say()
             self.draw()
+        self.writer.ask(self._write, quiet=0.0)
+
+    def _write(self) -> None:
+        """The tables and the plot; of postures that follow each other fast, those of the last."""
+        with self.server.atomic():
+            self.joints.write()
+            self.statics.write()
+            self.jacobian.write()
+            self.motion.write()
 
     def draw(self) -> None:
         """The scene, as the choices of the view say."""
@@ -96,8 +105,8 @@ class Page:
 
     def close(self) -> None:
         """Ends what runs beside the page."""
-        self.singular.worker.stop()
-        self.tool.worker.stop()
+        for worker in (self.singular.worker, self.tool.worker, self.writer):
+            worker.stop()
 
     def scene_html(self) -> str:
         """The scene as it is seen, in one file that needs no server."""

@@ -43,8 +43,11 @@ class StaticsTab:
         )
 
     def refresh(self) -> None:
-        """Inputs and bars to the situation."""
+        """Inputs to the situation."""
         s = self._session.situation
         self.force.value, self.torque.value, self.acts.value = s.force, s.torque, s.acts
         self.mass.value, self.center.value = s.mass, s.center
+
+    def write(self) -> None:
+        """Bars of the torques."""
         self.table.content = torques(self._session.analysis)
