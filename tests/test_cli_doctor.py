@@ -14,7 +14,7 @@ from kinestatics import evaluator, extras, installation
 from kinestatics.cli import main
 
 PACKAGE = Path(ks.__file__).parent
-NOT_EXTRAS = ("all", "test", "dev")
+NOT_EXTRAS = ("all", "test", "docs", "dev")
 
 
 @pytest.fixture

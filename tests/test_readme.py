@@ -27,7 +27,8 @@ def blocks(language):
 def commands():
     """The lines of the shell blocks that start with the name of the program, without their comments."""
     lines = [line.partition("  #")[0].strip() for _, block in blocks("sh") for line in block.splitlines()]
-    return [line for line in lines if line.startswith("kinestatics ")]
+    stays = "kinestatics explore "  # until it is stopped: tests/test_cli_explore.py
+    return [line for line in lines if line.startswith("kinestatics ") and not line.startswith(stays)]
 
 
 def test_python_blocks_run_in_order():
