@@ -213,7 +213,7 @@ def test_none_is_shorter_from_a_few_starts(name):
     holds(name, queries=2, starts=8)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", NAMES)
 def test_none_is_shorter_from_many_starts(name):
     """200 starts for each of 20 postures."""

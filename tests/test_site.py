@@ -362,7 +362,7 @@ def test_search_finds_a_name(address, page_of):
     tab.assert_quiet()
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_same_sources_make_the_same_bytes(site, tmp_path):
     """A second build is the first, byte by byte, and takes three minutes at most of one processor's time."""
     again, before = tmp_path / "site", os.times()
