@@ -27,6 +27,15 @@ def server_fixture():
         yield guarded.server
 
 
+def placed(body, model):
+    """(R, p) of every frame in base axes: those of viser hang on each other as the joints do."""
+    found = []
+    for handle, parent in zip(body._frames, model.parents, strict=True):
+        R, p = quaternion_to_rotation(*map(float, handle.wxyz)), np.array(handle.position)
+        found.append((R, p) if parent < 0 else (found[parent][0] @ R, found[parent][1] + found[parent][0] @ p))
+    return found
+
+
 def unit(values):
     vector = np.array(values)
     return vector / np.linalg.norm(vector)
@@ -88,13 +97,14 @@ def test_frames_and_rods_follow_the_posture(server, name):
     a = ks.analyze(arm, q, brief=True)
     scene.update(a, View())
     bones = skeleton(arm, q)
-    for handle, (R, p) in zip(scene.body._frames, bones.frames, strict=True):
-        np.testing.assert_allclose(np.array(handle.position), p, atol=SIGMA)
-        np.testing.assert_allclose(quaternion_to_rotation(*map(float, handle.wxyz)), R, atol=1e-6)
+    for (R_drawn, p_drawn), (R, p) in zip(placed(scene.body, arm), bones.frames, strict=True):
+        np.testing.assert_allclose(p_drawn, p, atol=2 * SIGMA)
+        np.testing.assert_allclose(R_drawn, R, atol=1e-6)
     np.testing.assert_allclose(np.array(scene._tip.position), np.array(a.pose.translation), atol=SIGMA)
     for i, rod in scene.body._rods.items():
-        start, along = np.array(rod.position), quaternion_to_rotation(*map(float, rod.wxyz))[:, 2] * rod.scale[2]
-        np.testing.assert_allclose(start + along / 2, bones.frames[i][1], atol=1e-6)
+        R, p = bones.frames[arm.parents[i]] if arm.parents[i] >= 0 else (np.eye(3), np.zeros(3))
+        middle, along = np.array(rod.position), quaternion_to_rotation(*map(float, rod.wxyz))[:, 2] * rod.scale[2]
+        np.testing.assert_allclose(p + R @ (middle + along / 2), bones.frames[i][1], atol=1e-6)
 
 
 def test_ellipsoid_has_the_radii_of_the_analysis(server):
@@ -206,5 +216,5 @@ def test_any_mechanism_can_be_drawn(server, mechanism):
     server.scene.reset()
     body = RobotBody(server.scene, model, 1.0)
     body.place(q)
-    for handle, (_, p) in zip(body._frames, skeleton(model, q).frames, strict=True):
-        np.testing.assert_allclose(np.array(handle.position), p, atol=1e-5 * max(1.0, float(np.abs(p).max())))
+    for (_, drawn), (_, p) in zip(placed(body, model), skeleton(model, q).frames, strict=True):
+        np.testing.assert_allclose(drawn, p, atol=1e-5 * max(1.0, float(np.abs(p).max())))

@@ -50,17 +50,21 @@ def in_library(model: RobotModel, q: Array, xp: Namespace) -> RobotModel:
     return model.map(lambda array: xp.constant(array, q))
 
 
+def joint_steps(model: RobotModel, q: Array, xp: Namespace) -> tuple[Array, Array]:
+    """Frames of all moving joints, each seen from the one before: (..., m, 3, 3) and (..., m, 3); q is (..., n), m > 0."""
+    moved = xp.stack([q[..., column] for column in model.columns], -1) * model.multipliers + model.offsets
+    turns, shifts = screw_motion(model.screws, moved, xp)
+    R_parent_joint, p_parent_joint = split_pose(model.placements)
+    return R_parent_joint @ turns, p_parent_joint + rotate(R_parent_joint, shifts)
+
+
 def joint_poses(model: RobotModel, q: Array, xp: Namespace) -> JointPoses:
     """Frames of all moving joints, one sweep from the base; q is (..., n)."""
     R: list[Array] = []
     p: list[Array] = []
     if not model.parents:
         return JointPoses((), ())
-    moved = xp.stack([q[..., column] for column in model.columns], -1) * model.multipliers + model.offsets
-    turns, shifts = screw_motion(model.screws, moved, xp)
-    R_parent_joint, p_parent_joint = split_pose(model.placements)
-    R_step = R_parent_joint @ turns
-    p_step = p_parent_joint + rotate(R_parent_joint, shifts)
+    R_step, p_step = joint_steps(model, q, xp)
     for i, parent in enumerate(model.parents):
         R_i, p_i = R_step[..., i, :, :], p_step[..., i, :]
         R.append(R_i if parent < 0 else R[parent] @ R_i)

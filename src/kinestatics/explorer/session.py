@@ -52,6 +52,11 @@ class Situation:
         return make(force=self.force, torque=self.torque)
 
     @property
+    def asked(self) -> tuple[Any, ...]:
+        """Everything but the posture."""
+        return self.force, self.torque, self.acts, self.mass, self.center, self.mount
+
+    @property
     def gravity(self) -> Array:
         """(3) in base axes [m/s²]."""
         return gravity_in_base(self.mount) if isinstance(self.mount, str) else np.array(self.mount)

@@ -55,19 +55,22 @@ class SingularTab:
         self.ask_card = gui.add_button("describe this posture", hint="what is lost, what is held, wall or passage")
         self.ask_card.on_click(lambda _event: self.worker.ask(self._describe, quiet=0.0))
         self.card = gui.add_html("")
+        self.list.content = nearest(None, "")
         self.worker.ask(self._look, quiet=0.0)
 
     def refresh(self) -> None:
         """Looks for distances anew once the posture has come to rest; a null motion belongs to the posture it began in."""
-        if not self._following:
+        if not self._following and self._path is not None:
             self._path = None
             self.along.disabled, self.along.value, self.direction.visible = True, 0.0, False
         if self.card.content:
             self.card.content = ""
-        self.near = None if not self.problem else self.near
-        self.list.content = nearest(self.near, self.problem)
-        if not self.problem:
-            self.worker.ask(self._look)
+        if self.problem:
+            return
+        if self.near is not None:  # else the list says already that it is being looked for
+            self.near = None
+            self.list.content = nearest(None, "")
+        self.worker.ask(self._look)
 
     def _look(self) -> None:
         """Finds the singular set once, and how far the posture is from it."""

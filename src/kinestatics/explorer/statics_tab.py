@@ -17,6 +17,7 @@ class StaticsTab:
     def __init__(self, gui: Any, session: Session, attempt: Callable[[Callable[[], None]], None]) -> None:
         self._session = session
         s = session.situation
+        self._shown = s.asked
         self.acts = gui.add_dropdown("wrench is", (LOAD, PUSH), initial_value=s.acts)
         self.force = gui.add_vector3("force [N]", s.force, step=0.1, hint="at the origin of the tip, along the axes of base")
         self.torque = gui.add_vector3("torque [N m]", s.torque, step=0.01, hint="axes of base")
@@ -45,6 +46,9 @@ class StaticsTab:
     def refresh(self) -> None:
         """Inputs to the situation."""
         s = self._session.situation
+        if s.asked == self._shown:
+            return
+        self._shown = s.asked
         self.force.value, self.torque.value, self.acts.value = s.force, s.torque, s.acts
         self.mass.value, self.center.value = s.mass, s.center
 

@@ -218,7 +218,11 @@ def nearest(near: Sequence[Distance] | None, problem: str) -> str:
     words = (
         "to the nearest posture inside the joint limits, √Σ(q − nearest)² [rad, m for sliding joints]; “at least” is proved"
     )
-    pale = tag("p", "pale: none inside the joint limits", class_="small") if any("still" in row for row in rows) else None
+    pale = (
+        tag("p", "pale: none was found inside the joint limits; without a bound too, there is none, proved", class_="small")
+        if any("still" in row for row in rows)
+        else None
+    )
     return framed(tag("table", tag("thead", head), tag("tbody", rows)), tag("p", words, class_="small"), pale)
 
 

@@ -30,7 +30,11 @@ class RobotBody:
 
     def __init__(self, scene: Any, model: RobotModel, size: float, solids: Sequence[Solid] = ()) -> None:
         self._scene, self._model, self._size = scene, model, size
-        self._frames = [scene.add_frame(f"/robot/{i}", show_axes=False) for i in range(len(model.parents))]
+        self._paths: dict[int, str] = {-1: "/robot"}
+        for i, parent in enumerate(model.parents):
+            self._paths[i] = f"{self._paths[parent]}/{i}"
+        self._frames = [scene.add_frame(self._paths[i], show_axes=False) for i in range(len(model.parents))]
+        self._R, self._p = np.zeros((len(model.parents), 3, 3)), np.zeros((len(model.parents), 3))
         self._solids = [self._solid(k, solid) for k, solid in enumerate(solids)]
         self._bones = [*self._links(), *self._joints()]
         self._covered = {model.link_joints[model.link(solid.link)] for solid in solids}
@@ -50,17 +54,23 @@ class RobotBody:
             handle.visible = bones and not (solids and carrier in self._covered)
 
     def place(self, q: Array) -> None:
-        """Moves the arm to q (n)."""
+        """Moves the arm to q (n). Frames hang on each other as the joints do: what did not move by itself is not sent."""
         array, xp = as_array(q)
-        poses = definition.joint_poses(self._model, array, xp)
-        if self._frames:
-            for frame, wxyz, p in zip(self._frames, quaternions(np.array(poses.R)), poses.p, strict=True):
-                frame.wxyz, frame.position = wxyz, p
-        for i, handle in self._rods.items():
-            screw = self._model.screws[i]
-            moved = self._model.multipliers[i] * q[self._model.columns[i]] + self._model.offsets[i]
-            along = poses.R[i] @ screw[LINEAR]
-            handle.wxyz, handle.position, handle.scale = between(poses.p[i] - moved * along, poses.p[i], 0.7 * self._thick)
+        if not self._frames:
+            return
+        R, p = definition.joint_steps(self._model, array, xp)
+        moved = [i for i in range(len(R)) if not (np.array_equal(R[i], self._R[i]) and np.array_equal(p[i], self._p[i]))]
+        for i, wxyz in zip(moved, quaternions(R[moved]), strict=True):
+            self._frames[i].wxyz, self._frames[i].position = wxyz, p[i]
+            if i in self._rods:
+                self._place_rod(i, R[i], p[i], q)
+        self._R, self._p = R, p
+
+    def _place_rod(self, i: int, R: Array, p: Array, q: Array) -> None:
+        """What a sliding joint has pushed out: from where it began to where it is, in the frame of the joint before."""
+        pushed = self._model.multipliers[i] * q[self._model.columns[i]] + self._model.offsets[i]
+        rod, start = self._rods[i], p - pushed * R @ self._model.screws[i, LINEAR]
+        rod.wxyz, rod.position, rod.scale = between(start, p, 0.7 * self._thick)
 
     @property
     def _thick(self) -> float:
@@ -68,7 +78,7 @@ class RobotBody:
 
     def _node(self, joint: int, name: str) -> str:
         """The path of a part that a joint carries; -1 is the base."""
-        return f"/robot/{joint}/{name}" if joint >= 0 else f"/robot/base/{name}"
+        return f"{self._paths[joint]}/{name}"
 
     def _solid(self, k: int, solid: Solid) -> Any:
         """A solid of a link, placed in the frame of the joint that carries it."""
@@ -136,4 +146,6 @@ class RobotBody:
     def _rod(self, i: int) -> Any:
         """What a sliding joint has pushed out."""
         rod = cylinder(1.0, 1.0)
-        return self._scene.add_mesh_simple(f"/robot/rod{i}", rod.vertices, rod.faces, color=rgb(EDGE), cast_shadow=False)
+        return self._scene.add_mesh_simple(
+            self._node(self._model.parents[i], f"rod{i}"), rod.vertices, rod.faces, color=rgb(EDGE), cast_shadow=False
+        )
