@@ -122,7 +122,8 @@ def rigid_lines(model: RobotModel, at: str = TIP) -> tuple[tuple[int, Array], ..
 
     Example:
         >>> import kinestatics as ks
-        >>> [(carrier, float(np.linalg.norm(line[1] - line[0]))) for carrier, line in rigid_lines(ks.load("planar_2r"))]
+        >>> lines = rigid_lines(ks.load("planar_2r"))
+        >>> [(carrier, round(float(np.linalg.norm(line[1] - line[0])), 9)) for carrier, line in lines]
         [(0, 1.0), (1, 1.0)]
     """
     q = one_configuration(model, None)

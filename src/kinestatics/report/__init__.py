@@ -10,8 +10,7 @@
     provenance  file, hash, versions, command                   interactive  figures of plotly, and the scene
     blocks      markup, escaped by construction                 mathematics  LaTeX as MathML or as a drawing, and its font
     pictures    the arm with what it can do                     canvas       SVG from what `plots` draws
-    outlines    hulls and arrows on paper                   printing     the page as PDF
-    words       units and sentences that sections share
+    printing    the page as PDF                             words        units and sentences that sections share
 
 Nothing is computed here: every number is the analysis's, or asked of the floors below.
 """
