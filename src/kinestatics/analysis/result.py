@@ -82,7 +82,7 @@ class Ability:
     push_joints: tuple[str, ...]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Analysis:
     """What an arm can do at one configuration. `print` it, or take `to_dict()`.
 
@@ -276,6 +276,9 @@ class Analysis:
         from .text import paragraphs
 
         return "\n\n".join(paragraphs(self))
+
+    def __repr__(self) -> str:
+        return str(self)
 
 
 def _finite(x: float) -> float | None:

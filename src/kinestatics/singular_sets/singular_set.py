@@ -34,7 +34,7 @@ from .tracing import Curve, Cusp, cusps_of, trace
 from .workspace import Section, WorkspaceSection, check_section, section_of
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class SingularSet:
     """The singular set of an arm for a task.
 
@@ -384,6 +384,9 @@ class SingularSet:
 
     def __str__(self) -> str:
         return text_of(self)
+
+    def __repr__(self) -> str:
+        return str(self)
 
 
 def checked_positive(step: Any) -> float:
