@@ -49,6 +49,25 @@ def test_brief_analysis_leaves_out_and_changes_nothing():
             assert value == whole.to_dict()[key], key
 
 
+def test_an_arm_that_holds_something_can_hold_more():
+    """The page's payload has a name of its own."""
+    arm = ks.load("ur5e").with_payload(1.0)
+    session = Session(arm, Situation(np.array(REGULAR)))
+    session.change(mass=2.0)
+    expected = ks.gravity_torques(ks.load("ur5e").with_payload(3.0), REGULAR)
+    np.testing.assert_allclose(session.analysis.gravity_torques, expected, rtol=1e-12, atol=1e-12)
+
+
+def test_what_is_refused_does_not_stay_in_the_boxes():
+    """A load that cannot be computed with is told of, and the boxes show again what the page computes with."""
+    with explore(ks.load("ur5e"), REGULAR) as explorer:
+        tab = explorer.page.statics
+        tab.force.value = (1e300, 0.0, 0.0)
+        explorer.page.attempt(tab._asked)
+        assert tab.force.value == explorer.session.situation.force == (0.0, 0.0, 0.0)
+        assert "KS301" in explorer.page.verdict.content
+
+
 def test_joints_stay_inside_their_limits():
     """A posture beyond the limits is brought to them."""
     session = session_of()

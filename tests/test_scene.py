@@ -116,10 +116,11 @@ def test_ellipsoid_has_the_radii_of_the_analysis(server):
     scene.update(a, View(velocity_scale=0.25))
     ball = scene._velocity._ball
     assert ball.visible
-    drawn = quaternion_to_rotation(*map(float, ball.wxyz)) * np.array(ball.scale)
+    place = scene._velocity._place
+    drawn = quaternion_to_rotation(*map(float, place.wxyz)) * np.array(ball.scale)
     wanted = 0.25 * a.velocity_ellipsoid.axes * a.velocity_ellipsoid.radii
     np.testing.assert_allclose(drawn @ drawn.T, wanted @ wanted.T, atol=1e-6)
-    np.testing.assert_allclose(np.array(ball.position), np.array(a.pose.translation), atol=SIGMA)
+    np.testing.assert_allclose(np.array(place.position), np.array(a.pose.translation), atol=SIGMA)
 
 
 def test_flat_and_unbounded_bodies(server):

@@ -93,9 +93,13 @@ def _reach(model: RobotModel, link: int) -> float:
 
 def _largest_dimension(model: RobotModel) -> float:
     """The largest length in the description of the robot [m]: what rounding errors of positions are measured by."""
+    if (known := model.__dict__.get("_largest")) is not None:
+        return float(known)
     turning = model.screws[np.any(model.screws[:, ANGULAR] != 0, axis=-1)]  # of a prismatic screw it is a direction
     lengths = (split_pose(model.placements)[1], split_pose(model.link_placements)[1], turning[:, LINEAR])
-    return max(float(np.abs(length).max(initial=0.0)) for length in lengths)
+    largest = max(float(np.abs(length).max(initial=0.0)) for length in lengths)
+    model.__dict__["_largest"] = largest
+    return largest
 
 
 def prismatic_columns(model: RobotModel) -> Array:
@@ -265,7 +269,13 @@ def moving_columns(
     model: RobotModel, rows: Sequence[int], at: str = TIP, frame: Frame | None = None, relative_to: str | None = None
 ) -> Array:
     """(n) whether a joint moves these rows in any posture."""
-    return np.abs(_samples(model, at, frame, relative_to)[0][:, list(rows)]).max(axis=(0, 1), initial=0.0) > _STRUCTURAL
+    known: dict[Any, Array] = model.__dict__.setdefault("_moving", {})  # of a model that cannot change
+    key = (model.link(at), frame, relative_to)
+    if key not in known:
+        if len(known) >= _CACHED_SAMPLES:
+            known.clear()
+        known[key] = np.abs(_samples(model, at, frame, relative_to)[0]).max(axis=0, initial=0.0) > _STRUCTURAL
+    return np.any(known[key][list(rows)], axis=0)
 
 
 def _automatic(samples: Array) -> Task:

@@ -7,11 +7,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from ..errors import missing_extra
 from ..kinematics import require_model
 from ..model import RobotModel
+from ..namespaces import Array
 from ..quantities import Wrench
 from ..skeleton import one_configuration
 from ..spatial import ANGULAR, LINEAR
@@ -118,11 +117,14 @@ def explore(
     return Explorer(guarded, session, page)
 
 
-def _situation(q: Any, wrench: Wrench | None, gravity: Sequence[float] | str) -> Situation:
-    mount = gravity if isinstance(gravity, str) else tuple(float(x) for x in np.asarray(gravity).ravel())
+def _situation(q: Array, wrench: Wrench | None, gravity: Sequence[float] | str) -> Situation:
+    mount = gravity if isinstance(gravity, str) else _three(gravity)
     if wrench is None:
-        return Situation(q, mount=mount)  # type: ignore[arg-type]
-    six = wrench.array
+        return Situation(q, mount=mount)
     acts = PUSH if wrench.acts_on == "environment" else LOAD
-    force, torque = (tuple(float(x) for x in six[part]) for part in (LINEAR, ANGULAR))
-    return Situation(q, force, torque, acts, mount=mount)  # type: ignore[arg-type]
+    return Situation(q, _three(wrench.array[LINEAR]), _three(wrench.array[ANGULAR]), acts, mount=mount)
+
+
+def _three(values: Any) -> tuple[float, float, float]:
+    x, y, z = (float(value) for value in values)
+    return x, y, z

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import threading
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import count
 from typing import Any
 
 import numpy as np
@@ -140,8 +141,12 @@ class Session:
         s = self.situation
         key = (s.mass, s.center)
         if self._carrying[0] != key:
-            model = self.model.with_payload(s.mass, s.center) if s.mass > 0 else self.model
-            self._carrying = (key, model)
+            held = self.model
+            if s.mass > 0:
+                names = (f"payload{k or ''}" for k in count())  # a robot may come with payloads of its own
+                name = next(name for name in names if name not in held.link_names)
+                held = held.with_payload(s.mass, s.center, name=name)
+            self._carrying = (key, held)
         return self._carrying[1]
 
     def whole_analysis(self, singularities: bool = True) -> Analysis:
@@ -180,8 +185,3 @@ class Session:
         least = float(sigma[a.task.rank - 1] / sigma[0]) if a.task.rank and sigma[0] > 0 else 0.0
         number = self.history[-1].number + 1 if self.history else 0
         self.history.append(Sample(number, least, a.manipulability if not a.is_singular else 0.0))
-
-
-def rows_of(names: Sequence[str]) -> str:
-    """Names of rows in one line."""
-    return ", ".join(names) or "(none)"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from ..errors import KinestaticsError
 from .session import LOAD, PUSH, Session
 from .tables import torques
 
@@ -34,23 +35,30 @@ class StaticsTab:
 
     def _asked(self) -> None:
         mount = self.mount.value
-        self._session.change(
-            acts=self.acts.value,
-            force=tuple(self.force.value),
-            torque=tuple(self.torque.value),
-            mass=self.mass.value,
-            center=tuple(self.center.value),
-            mount=self._given if mount == "as given" else mount,
-        )
+        try:
+            self._session.change(
+                acts=self.acts.value,
+                force=tuple(self.force.value),
+                torque=tuple(self.torque.value),
+                mass=self.mass.value,
+                center=tuple(self.center.value),
+                mount=self._given if mount == "as given" else mount,
+            )
+        except (KinestaticsError, ArithmeticError):
+            self._show()  # what was refused does not stay in the boxes
+            raise
 
     def refresh(self) -> None:
         """Inputs to the situation."""
+        if self._session.situation.asked != self._shown:
+            self._show()
+
+    def _show(self) -> None:
         s = self._session.situation
-        if s.asked == self._shown:
-            return
         self._shown = s.asked
         self.force.value, self.torque.value, self.acts.value = s.force, s.torque, s.acts
         self.mass.value, self.center.value = s.mass, s.center
+        self.mount.value = s.mount if s.mount in _MOUNTS else "as given"
 
     def write(self) -> None:
         """Bars of the torques."""

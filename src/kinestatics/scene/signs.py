@@ -29,11 +29,18 @@ class ConvexBody:
 
     def __init__(self, scene: Any, name: str, color: str, size: float) -> None:
         self._size = size
+        self._place = scene.add_frame(f"/{name}/ellipsoid", show_axes=False)
         self._ball = scene.add_icosphere(
-            f"/{name}/ellipsoid", 1.0, rgb(color), subdivisions=4, opacity=_OPAQUE, cast_shadow=False, receive_shadow=False
+            f"/{name}/ellipsoid/ball",
+            1.0,
+            rgb(color),
+            subdivisions=4,
+            opacity=_OPAQUE,
+            cast_shadow=False,
+            receive_shadow=False,
         )
         self._circles = scene.add_line_segments(
-            f"/{name}/circles", _unit_circles(), rgb(color), thickness=_LINE, thickness_units="screen"
+            f"/{name}/ellipsoid/circles", _unit_circles(), rgb(color), thickness=_LINE, thickness_units="screen"
         )
         self._mesh = scene.add_mesh_simple(
             f"/{name}/polytope",
@@ -68,8 +75,8 @@ class ConvexBody:
         axes = _completed(lift.T @ ellipsoid.axes)
         radii = np.concatenate([metres * ellipsoid.radii, np.zeros(3 - len(ellipsoid.radii))])
         scale, wxyz = tuple(np.maximum(radii, _THIN * self._size).tolist()), quaternions(axes)
-        for handle in (self._ball, self._circles):
-            handle.wxyz, handle.position, handle.scale = wxyz, tip, scale
+        self._place.wxyz, self._place.position = wxyz, tip
+        self._ball.scale = self._circles.scale = scale
 
     def polytope(self, polytope: Polytope, tip: Array, metres: float) -> None:
         """Shows a polytope of linear rows, `metres` per unit; where it is unbounded, its edges, cut."""
