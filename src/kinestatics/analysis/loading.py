@@ -11,7 +11,7 @@ from ..kinematics import jacobian
 from ..model import RobotModel
 from ..namespaces import Array
 from ..quantities import Jacobian, Wrench
-from ..statics import Loads, applied_loads, gravity_torques, joint_reactions, joint_torques, potential_energy, split_load
+from ..statics import Loads, applied_loads, gravity_torques, joint_reactions, joint_torques, potential_energy
 from ..tasks import characteristic_length
 from .checks import finite_array
 from .result import AppliedLoad
@@ -56,8 +56,8 @@ def _applied(model: RobotModel, q: Array, link: str, wrench: Wrench) -> AppliedL
     finite_array(six, "the wrench")
     J = jacobian(model, q, at=link, frame=wrench.frame, check_finite=False)
     named = Wrench(six, J.frame, wrench.acts_on)
-    split = split_load(J, named, length=characteristic_length(model, link))
-    return AppliedLoad(link, named, split, finite_array(joint_torques(J, named), "the joint torques"))
+    torques = finite_array(joint_torques(J, named), "the joint torques")
+    return AppliedLoad(link, named, torques, J, characteristic_length(model, link))
 
 
 def _weight(model: RobotModel, q: Array, gravity: Array, notes: list[str], brief: bool) -> dict[str, Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from ..dexterity import Ellipsoid
 from ..namespaces import Array
 from ..quantities import Jacobian, Pose, Wrench
 from ..screws_in_words import Screw
-from ..statics import Capacity, JointReactions, LoadSplit
+from ..statics import Capacity, JointReactions, LoadSplit, split_load
 from ..surfaces import surface
 from ..tasks import Task
 from .near import NEAR_SINGULARITY
@@ -43,14 +44,21 @@ class AppliedLoad:
     """A wrench that was asked about, and who holds it.
 
     Attributes:
-        link: where it acts; wrench: with its frame named; split: the parts that motors and structure hold;
-        joint_torques: (n) what holds it [N m or N].
+        link: where it acts; wrench: with its frame named; joint_torques: (n) what holds it [N m or N].
+        jacobian: of the link, in the frame of the wrench; characteristic_length: of the link [m].
+        split: the parts that motors and structure hold, divided up when they are asked for.
     """
 
     link: str
     wrench: Wrench
-    split: LoadSplit
     joint_torques: Array
+    jacobian: Jacobian
+    characteristic_length: float
+
+    @cached_property
+    def split(self) -> LoadSplit:
+        """The parts that motors and structure hold."""
+        return split_load(self.jacobian, self.wrench, length=self.characteristic_length)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain lists, numbers and text."""
