@@ -10,6 +10,7 @@ import pytest
 pytest.importorskip("viser", reason="the extra view is not installed")
 
 import kinestatics as ks
+from browser import wait_until
 from kinestatics.explorer import explore
 from kinestatics.explorer.files_tab import postures_data, read_postures
 from kinestatics.explorer.joints_tab import STEP, slider_ranges
@@ -154,6 +155,17 @@ def test_worker_answers_the_latest_question_only():
     worker.stop()
     worker._thread.join(5)
     assert not worker._thread.is_alive()
+
+
+def test_a_shape_that_is_chosen_is_seen_at_a_scale_that_fits():
+    """A polytope of the joint limits is far larger than an ellipsoid of unit rates: its scale is its own."""
+    with explore(ks.load("ur5e"), REGULAR) as explorer:
+        view, size = explorer.page.view, explorer.page.scene.size
+        before = view.velocity_scale.value
+        view.velocity.value = "polytope"
+        wait_until(lambda: view.velocity_scale.value != before)
+        reach = np.linalg.norm(ks.velocity_polytope(ks.load("ur5e"), REGULAR, task="position").corners, axis=-1).max()
+        assert 0.15 * size < view.velocity_scale.value * reach < 0.6 * size
 
 
 def test_slider_ranges():

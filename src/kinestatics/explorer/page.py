@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from ..errors import KinestaticsError
-from ..scene.arm_scene import ArmScene, fitting_view
+from ..scene.arm_scene import ArmScene, fitting_scale, fitting_view
 from ..scene.solids import Solid
 from .files_tab import FilesTab
 from .jacobian_tab import JacobianTab
@@ -53,7 +53,8 @@ class Page:
         with tabs.add_tab("Jacobian"):
             self.jacobian = JacobianTab(gui, session)
         with tabs.add_tab("View"):
-            self.view = ViewTab(gui, self.scene.body.has_solids, fitting_view(session.analysis, self.scene.size), self.draw)
+            view = fitting_view(session.analysis, self.scene.size)
+            self.view = ViewTab(gui, self.scene.body.has_solids, view, self.draw, self._fit)
         with tabs.add_tab("Files"):
             self.files = FilesTab(gui, session, self.attempt, self.tell, self.scene_html, self.report_html)
         self.tool = Tool(server, session, self.scene.size, self.scene.plane, self.tell)
@@ -102,6 +103,13 @@ class Page:
             self.scene.update(self.session.analysis, view, (velocity, force))
         if notes:
             self.tell("; ".join(notes))
+
+    def _fit(self, kind: str, shape: str) -> float:
+        """The scale at which a body of the present posture is well seen."""
+        a, polytope = self.session.analysis, shape == "polytope"
+        velocity, force, _ = self.session.polytopes(polytope and kind == "velocity", polytope and kind == "force")
+        ellipsoid = a.velocity_ellipsoid if kind == "velocity" else a.force_ellipsoid
+        return fitting_scale((velocity or force) if polytope else ellipsoid, self.scene.size)
 
     def close(self) -> None:
         """Ends what runs beside the page."""

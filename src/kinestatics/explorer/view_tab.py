@@ -11,7 +11,9 @@ from ..scene.arm_scene import SHAPES, View
 class ViewTab:
     """Choices of what is shown; `view` is what they say."""
 
-    def __init__(self, gui: Any, has_solids: bool, view: View, changed: Callable[[], None]) -> None:
+    def __init__(
+        self, gui: Any, has_solids: bool, view: View, changed: Callable[[], None], fit: Callable[[str, str], float]
+    ) -> None:
         self._has_solids = has_solids
         self.velocity = gui.add_dropdown(
             "velocity at the tip", SHAPES, initial_value=view.velocity, hint="of unit joint rates"
@@ -28,9 +30,21 @@ class ViewTab:
         self.lost = gui.add_checkbox("lost motions", view.lost)
         self.free = gui.add_checkbox("wrenches held for free", view.free)
         self.load = gui.add_checkbox("load", view.load)
-        handles = (self.velocity, self.velocity_scale, self.force, self.force_scale)
-        for handle in (*handles, self.solids, self.axes, self.lost, self.free, self.load):
+        self.velocity.on_update(self._chosen("velocity", self.velocity_scale, changed, fit))
+        self.force.on_update(self._chosen("force", self.force_scale, changed, fit))
+        for handle in (self.velocity_scale, self.force_scale, self.solids, self.axes, self.lost, self.free, self.load):
             handle.on_update(lambda _event: changed())
+
+    @staticmethod
+    def _chosen(kind: str, scale: Any, changed: Callable[[], None], fit: Callable[[str, str], float]) -> Any:
+        """What a choice of shape does: a polytope has the limits of the joints, an ellipsoid has not, and is far smaller."""
+
+        def chosen(event: Any) -> None:
+            if event.target.value != "none":
+                scale.value = fit(kind, event.target.value)
+            changed()
+
+        return chosen
 
     @property
     def view(self) -> View:

@@ -62,11 +62,17 @@ class View:
 
 def fitting_view(a: Analysis, size: float) -> View:
     """What a page begins with: rounded scales at which the bodies of this posture are well seen on an arm of a size [m]."""
-    scales = []
-    for ellipsoid in (a.velocity_ellipsoid, a.force_ellipsoid):
-        radii = [] if ellipsoid is None else [float(r) for r in ellipsoid.radii if 0 < r < math.inf]
-        scales.append(float(f"{_BODY * size / max(radii):.1g}") if radii else 1.0)
-    return View(velocity_scale=scales[0], force_scale=scales[1])
+    return View(velocity_scale=fitting_scale(a.velocity_ellipsoid, size), force_scale=fitting_scale(a.force_ellipsoid, size))
+
+
+def fitting_scale(body: Ellipsoid | Polytope | None, size: float) -> float:
+    """Metres of the scene per unit, to one digit, at which a body is a third of an arm of this size [m]; 1 for nothing."""
+    reach = 0.0
+    if isinstance(body, Polytope) and body.corners is not None:
+        reach = float(np.linalg.norm(body.corners, axis=-1).max(initial=0.0))
+    elif isinstance(body, Ellipsoid):
+        reach = float(body.radii[np.isfinite(body.radii)].max(initial=0.0))
+    return float(f"{_BODY * size / reach:.1g}") if reach > 0 else 1.0
 
 
 class ArmScene:
