@@ -3,6 +3,7 @@
 import json
 import threading
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -166,6 +167,25 @@ def test_a_shape_that_is_chosen_is_seen_at_a_scale_that_fits():
         wait_until(lambda: view.velocity_scale.value != before)
         reach = np.linalg.norm(ks.velocity_polytope(ks.load("ur5e"), REGULAR, task="position").corners, axis=-1).max()
         assert 0.15 * size < view.velocity_scale.value * reach < 0.6 * size
+
+
+def test_a_slider_that_has_moved_on_is_not_pulled_back():
+    """While one step is computed the reader makes the next: it is neither shown back nor lost."""
+    with explore(ks.load("ur5e"), REGULAR) as explorer:
+        joints, session = explorer.page.joints, explorer.session
+        slider, event = joints.sliders[2], SimpleNamespace(client_id=1, target=joints.sliders[2])
+
+        def next_step():
+            if slider._impl.value == 1.301:
+                slider._impl.value = 1.302  # as a message of the client sets it
+
+        session._listeners.insert(0, next_step)
+        slider._impl.value = 1.301
+        joints._moved(2)(event)
+        assert session.situation.q[2] == 1.301
+        assert slider.value == 1.302
+        joints._moved(2)(event)
+        assert session.situation.q[2] == slider.value == 1.302
 
 
 def test_slider_ranges():

@@ -21,6 +21,7 @@ class JointsTab:
 
     def __init__(self, gui: Any, session: Session, seed: int = 0) -> None:
         self._session, self._rng = session, np.random.default_rng(seed)
+        self._source: int | None = None
         model, q = session.model, session.situation.q
         self._ranges = slider_ranges(model.lower, model.upper, q)
         self.sliders = []
@@ -63,16 +64,22 @@ class JointsTab:
                 return
             with self._session.lock:
                 q = self._session.situation.q.copy()
-                if _on_step(q[k], *self._ranges[k]) != event.target.value:
-                    q[k] = event.target.value
+                if _on_step(q[k], *self._ranges[k]) == event.target.value:
+                    return
+                q[k] = event.target.value
+                self._source = k
+                try:
                     self._session.change(q=q)
+                finally:
+                    self._source = None
 
         return moved
 
     def refresh(self) -> None:
-        """Sliders to the posture."""
-        for slider, x, (low, high) in zip(self.sliders, self._session.situation.q, self._ranges, strict=True):
-            slider.value = _on_step(x, low, high)
+        """Sliders to the posture, but for the one that a reader moves: it may be farther already than what is shown here."""
+        for k, (slider, x) in enumerate(zip(self.sliders, self._session.situation.q, strict=True)):
+            if k != self._source:
+                slider.value = _on_step(x, *self._ranges[k])
 
     def write(self) -> None:
         """Bars of the singular values."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 from ..errors import KinestaticsError
@@ -34,19 +35,23 @@ class StaticsTab:
         self.table = gui.add_html("")
 
     def _asked(self) -> None:
-        mount = self.mount.value
-        try:
-            self._session.change(
-                acts=self.acts.value,
-                force=tuple(self.force.value),
-                torque=tuple(self.torque.value),
-                mass=self.mass.value,
-                center=tuple(self.center.value),
-                mount=self._given if mount == "as given" else mount,
-            )
-        except (KinestaticsError, ArithmeticError):
-            self._show()  # what was refused does not stay in the boxes
-            raise
+        """The situation to the inputs; these may be farther already when the page is refreshed, and are left alone."""
+        with self._session.lock:
+            mount = self.mount.value
+            what: dict[str, Any] = {
+                "force": tuple(self.force.value),
+                "torque": tuple(self.torque.value),
+                "acts": self.acts.value,
+                "mass": self.mass.value,
+                "center": tuple(self.center.value),
+                "mount": self._given if mount == "as given" else mount,
+            }
+            self._shown = replace(self._session.situation, **what).asked
+            try:
+                self._session.change(**what)
+            except (KinestaticsError, ArithmeticError):
+                self._show()  # what was refused does not stay in the boxes
+                raise
 
     def refresh(self) -> None:
         """Inputs to the situation."""
